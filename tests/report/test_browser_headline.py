@@ -6,6 +6,7 @@ import json
 import math
 
 import pytest
+from made_results import make_rows, write_results
 from opened_page import Opened, browser, opened, report  # noqa: F401
 
 from tools.report.report import main
@@ -73,6 +74,15 @@ def test_what_has_no_verdict_has_neither_colour_nor_bar_and_what_is_biased_says_
     assert {name for name, none in bars if none} == {name for name, _ in bars if "gaussian" in name} != set()
     assert page.locator("#summary .biased").count() == 1 and "relMSE (biased)" in page.locator(".hero h3").text_content()
     assert saved(page, page.get_by_role("button", name="LaTeX", exact=True).click)[1].count("relMSE (biased)") == 1
+
+
+def test_without_a_baseline_ratios_are_to_the_first_method(browser, tmp_path):
+    write_results(tmp_path, make_rows(dumps=("a.spool",), samplers=("mitchell", "multiscale"), filters=("box", "gaussian"), budgets=(8,)))
+    assert main([str(tmp_path), "-o", str(tmp_path / "report.html")]) == 0
+    page = Opened(browser, tmp_path / "report.html").page
+    found = cells(page)
+    assert [row[0][2] for row in found.values()].count("baseline") == 1 and float(found["mitchell + box"][0][1]) > 2
+    assert "uniform" not in page.locator("#summary").text_content().split("How to read")[0]
 
 
 def test_another_baseline_takes_the_pairs_of_the_file(opened, statistics):

@@ -138,7 +138,8 @@ def test_captions_say_budget_replicates_and_intervals_and_claims_are_the_program
 def test_captions_tables_and_curves_say_what_judged_and_of_the_pool_that_it_is_biased(tmp_path, capsys, reference):
     folder = made(tmp_path / "r", [CLAIM], budgets=(4,))
     text = (folder / "statistics.json").read_text().replace('"independent"', f'"{reference}"')
-    (folder / "statistics.json").write_text(text.replace('"biased": false', f'"biased": {json.dumps("biased" in reference)}'))
+    text = text.replace('"failed": 0', '"failed": 2', 1).replace('"biased": false', f'"biased": {json.dumps("biased" in reference)}')
+    (folder / "statistics.json").write_text(text)
     assert main([str(folder), "-o", str(tmp_path / "f")]) == 0
     biased, kind = "biased" in reference, reference.split(" ")[0]
     out = capsys.readouterr().out
@@ -148,6 +149,7 @@ def test_captions_tables_and_curves_say_what_judged_and_of_the_pool_that_it_is_b
     for name, parts in (("captions.tex", 3), ("table.tex", 2), ("table.md", 1)):
         text = (tmp_path / "f" / name).read_text()
         assert text.count(f"Judged by {kind}.") == parts and text.count("BIASED") == parts * biased, name
+        assert text.count("2 results failed and are left out.") == (1 if name == "table.tex" else parts)  # claims have none
         assert ("relMSE (biased)" in text) == biased and not (biased and re.search(r"mathbf|\*\*0", text))
     assert {row["metric"] for row in csv.DictReader((tmp_path / "f" / "curves.csv").open())} == {"relmse" + " (biased)" * biased}
 
@@ -196,8 +198,8 @@ def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():
     assert notes(shared[1:], ["a + b"]) == r" Light is lost by a + b (5 \%)." and notes(shared, ["c + d"]) == ""
     few = [{**shared[0], "ranking": [{"sampler": "c", "filter": "d", "withheld": "few pixels"}]}]
     assert notes(few, ["c + d"]) == " Means without an interval: withheld (few pixels)."
-    said = numbers_text(Statistics({"scenes": [], "results": [{"replicates": 3, "threads": 0, "reference": "holdout"}], "conditions": [], "curves": [],
-                                    "overall": []}), "relmse", shared)
+    said = numbers_text(Statistics({"scenes": [], "results": [{"replicates": 3, "failed": 0, "threads": 0, "reference": "holdout"}], "conditions": [],
+                                    "curves": [], "overall": []}), "relmse", shared)
     assert "Judged by holdout." in said
     assert said.count("another recording") == 1 and said.endswith("wider where replicates share samples.")
 

@@ -8,6 +8,7 @@ from tools.report.aggregate import aggregate, guard_counts
 from tools.report.failure import Failure
 from tools.report.results_table import read_results
 from tools.report.statistics_file import best_is_alone, read_statistics
+from tools.report.statistics_section import statistics_html
 from tools.report.summary import summarise, verdicts
 
 
@@ -102,6 +103,30 @@ def test_nothing_is_the_best_where_a_mean_without_verdict_is_smaller(tmp_path, m
     assert ("has the lowest error" in text) == lowest and text.count("not compared with uniform + box") == 1
     _, statistics = read(tmp_path, one_scene(noise=0.005), withhold)
     assert [best_is_alone(c) for c in statistics.of_metric("relmse")] == [lowest]
+
+
+def test_without_results_of_a_baseline_nothing_is_relative_to_it(tmp_path):
+    rows = one_scene(samplers=("mitchell", "multiscale"), filters=("box", "gaussian"))
+    _, statistics = read(tmp_path, rows)
+    html = statistics_html(statistics, {"chess.spool": "chess"}, "relmse")
+    assert statistics.baseline == "" and "uniform" not in html and "relative" not in html and "mitchell + box" in html
+    assert "relative to uniform + box" in statistics_html(read(tmp_path, one_scene())[1], {"chess.spool": "chess"}, "relmse")
+
+
+def test_why_the_baseline_gives_no_verdict_stands_beside_it(tmp_path):
+    def withhold(data):
+        data["conditions"][0]["ranking"][0].update(against_baseline="not compared", baseline_withheld="few pixels")
+    html = statistics_html(read(tmp_path, one_scene(), withhold)[1], {"chess.spool": "chess"}, "relmse")
+    assert html.count("<td>not compared<small>of the baseline: few pixels</small></td>") == 1
+
+
+def test_what_verdicts_are_about_names_its_places_where_it_differs(tmp_path):
+    def change(data):
+        for condition in data["conditions"]:
+            condition["about"]["text"] = f"recording {condition['dump'][:1]}"
+    combinations, statistics = read(tmp_path, make_rows(dumps=("a.spool", "b.spool"), budgets=(4, 8)), change)
+    said = [s.text for s in summarise(combinations, statistics, "relmse", statistics.labels()) if s.kind == "about"]
+    assert said == [f"Intervals and verdicts of {x} at 4 spp and {x} at 8 spp are about recording {x}." for x in "ab"]
 
 
 def test_one_replicate_claims_nothing(tmp_path):

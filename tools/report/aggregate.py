@@ -94,8 +94,9 @@ class Described:
             c.sampler, c.filter = self._marked(c.sampler, c.filter)
         for entry in statistics.methods():
             entry["sampler"], entry["filter"] = self._marked(entry["sampler"], entry["filter"])
-        sampler, _, filter_ = statistics.baseline.partition(" + ")
-        statistics.baseline = " + ".join(self._marked(sampler, filter_))
+        if statistics.baseline:
+            sampler, _, filter_ = statistics.baseline.partition(" + ")
+            statistics.baseline = " + ".join(self._marked(sampler, filter_))
 
     def note(self):
         """What the mark means, beside every table that names such methods."""

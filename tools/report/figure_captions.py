@@ -21,7 +21,7 @@ def environment(files, caption, column):
 
 
 def replicates_text(statistics):
-    counts = sorted({entry["replicates"] for entry in statistics.results})
+    counts = sorted({entry["replicates"] for entry in statistics.results if entry["replicates"]})
     several = f"{counts[0]:g}" if len(counts) == 1 else f"{counts[0]:g} to {counts[-1]:g}"
     return f"{several} replicate{'' if several == '1' else 's'}"
 
@@ -32,7 +32,7 @@ def numbers_text(statistics, metric, conditions):
     about = " or ".join(dict.fromkeys(c["about"]["text"].split(";")[0] for c in conditions))
     widened = "; they are wider where replicates share samples" if any(c["about"]["kind"] == "shared" for c in conditions) else ""
     return (rf"Numbers are means of {latex(statistics.metric_text(metric))} over {replicates_text(statistics)} with 95\,\% intervals "
-            f"({better}). {latex(statistics.judged_text())} Intervals and verdicts are about {latex(about)}{widened}.")
+            f"({better}).{statistics.failed_text()} {latex(statistics.judged_text())} Intervals and verdicts are about {latex(about)}{widened}.")
 
 
 def notes(conditions, methods):

@@ -145,7 +145,7 @@ def markdown_table(statistics, metric, labels, baseline):
                                                 f"{row.letters} {row.marks()}".strip()]) + " |")
             lines.append("")
     lines += ["Means with 95 % intervals" + (f"; ratio: to {markdown(baseline)}" if baseline else "") + ". Methods that share "
-              "a letter are not separated; bold: " + BOLD + "; †: loses light; ‡: " + NO_VERDICT + ". "
+              "a letter are not separated; bold: " + BOLD + "; †: loses light; ‡: " + NO_VERDICT + "." + statistics.failed_text() + " "
               + " ".join([statistics.judged_text(), statistics.letters_note(metric)]).rstrip(), ""]
     for claim, where, verdict, ratio in claim_rows(statistics.claims, labels):
         lines.append(markdown(f"{claim}: {verdict}") if claim else

@@ -43,7 +43,8 @@ function startHeadline(area) {
   hero.spp = report.budget;
   const methods = [...new Set(report.conditions.flatMap((c) => c.field.map((i) => methodOf(report.combinations[i]))))];
   const others = report.conditions.some((c) => c.pairs.length > 0) ? methods.filter((m) => m !== report.baseline) : [];
-  const baselines = [report.baseline, ...others];
+  const baselines = [report.baseline, ...others].filter((name) => name);
+  hero.baseline = baselines[0] ?? '';
   const holder = element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Methods and recordings'});
   const chart = element('div', {class: 'chart', id: 'hero-chart'}), title = element('h3');
   const strip = element('div', {class: 'crops', id: 'crops'});
@@ -56,7 +57,8 @@ function startHeadline(area) {
     element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
-    note.textContent = `${metricText(report.metric)} relative to ${hero.baseline}: below 1 is better. Bold: separated. Methods that ` +
+    note.textContent = `${metricText(report.metric)} ${hero.baseline ? `relative to ${hero.baseline}: below 1 is better. Bold: separated.` :
+      'has no baseline: no ratios.'} Methods that ` +
       `share a letter are not separated. ${report.lettersNote} ‡: no verdict. ▼: loses energy. A click shows the pictures.`;
     title.textContent = `${report.dumps[hero.dump]}: ${metricText(report.metric)} against samples per pixel`;
     drawHeroChart(chart);
@@ -91,7 +93,7 @@ function headlineTable(redraw) {
   }
   if (withOverall) head.append(element('th', {scope: 'col', title: 'geometric mean over the recordings'}, 'all'));
   const names = headlineMethods(), body = element('tbody');
-  const few = hero.all ? names : names.filter((name, i) => i < hero.most || name.startsWith(hero.baseline));
+  const few = hero.all ? names : names.filter((name, i) => i < hero.most || (hero.baseline && name.startsWith(hero.baseline)));
   for (const name of few) {
     const row = element('tr', {}, element('th', {scope: 'row'}, name));
     for (const condition of conditions) row.append(headlineCell(condition, name));
@@ -123,7 +125,7 @@ function headlineCell(condition, name) {
 function overallCell(name) {
   const c = report.overall.find((o) => o.spp === hero.spp && methodOf(o) === name);
   const ratio = c ? interval(c, `${report.metric}_ratio`).mean : NaN;
-  return element('td', {class: 'number', style: `background: ${ratioColour(ratio)}`,
+  return element('td', {class: 'number', style: `background: ${ratioColour(c?.against.includes('not compared') ? NaN : ratio)}`,
     title: c?.against ?? ''},
   name === report.baseline ? '1' : numberText(ratio, 3));
 }

@@ -49,7 +49,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "quantities": [{"name": name, "meaning": OWN_MEANINGS.get(name) or vocabulary.meaning(name)} for name in names],
         # What the user added, which is what a page opens on.
         "own": list(own),
-        "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names, metric) for c in combinations],
+        "combinations": [_combination(c, dumps.index(c.dump), samplers, filters, names, metric, statistics.baseline) for c in combinations],
         # For the charts only: the recording after the last one.
         "overall": [_overall(entry, len(dumps), samplers, filters, names, against) for entry in statistics.overall],
         "budget": statistics.largest_budget(metric),
@@ -72,14 +72,14 @@ def _pair(a, b, ratio, low, high, _, verdict):
     return [a, b, *short, WORDS.index(verdict if verdict in WORDS else "not compared")]
 
 
-def _combination(c, dump, samplers, filters, names, metric):
+def _combination(c, dump, samplers, filters, names, metric, baseline):
     return {"dump": dump, "sampler": samplers.index(c.sampler), "filter": filters.index(c.filter),
             "spp": c.spp, "replicates": c.replicates, "failed": len(c.failures),
             "values": [_interval(c.quantity(name)) for name in names],
             # Share of the energy that the file calls lost; 0 where it does not.
             "loses": next((_short(e["loses_energy"]) for e in c.ranks.values() if "loses_energy" in e), 0),
             # Of each number of threads there is one; its name alone would not say it.
-            "baseline": metric in c.ranks and "against_baseline" not in c.ranks[metric],
+            "baseline": bool(baseline) and metric in c.ranks and "against_baseline" not in c.ranks[metric],
             # By metric: letters of its group, and the verdict against the baseline.
             "ranks": {metric: [entry["letters"], entry.get("against_baseline", "")]
                       for metric, entry in c.ranks.items()}}

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from tools.report.failure import Failure
 from tools.report.file_names import numbered
 from tools.report.metric_names import BIASED, metric_name
+from tools.report.number_text import count_text
 from tools.report.vocabulary import read_json
 
 NAN = float("nan")
@@ -57,13 +58,14 @@ def hide_crowded_letters(ranking):
 class Statistics:
     def __init__(self, data):
         self.rules = data.get("rules", {})
-        self.baseline = data.get("baseline", BASELINE)
         self.claims = data.get("claims", [])
         self.scenes = data["scenes"]
         self.results = data["results"]
         self.conditions = data["conditions"]
         self.curves = data["curves"]
         self.overall = data["overall"]
+        compared = any("against_baseline" in entry for c in self.conditions for entry in c["ranking"])
+        self.baseline = data.get("baseline", BASELINE) if compared else ""  # none of its results: nothing is relative to it
         self.biased = any(c.get("biased") for c in self.conditions)
         self._name_threads()
         self.unlettered = {c["metric"] for c in self.conditions if hide_crowded_letters(c["ranking"])}
@@ -97,6 +99,11 @@ class Statistics:
         """By what reference; of one that is biased, what spool evaluate warns of."""
         kinds = ", ".join(sorted({entry["reference"].removesuffix(BIASED) for entry in self.results} - {""}))
         return f"Judged by {kinds}." + (" BIASED: errors are too small, and differently for each method." if self.biased else "")
+
+    def failed_text(self):
+        """Empty where none did."""
+        failed = sum(entry["failed"] for entry in self.results)
+        return f" {count_text(failed, 'result')} failed and {'is' if failed == 1 else 'are'} left out." if failed else ""
 
     def warning(self):
         """What ends a line on the terminal; empty where nothing is biased."""

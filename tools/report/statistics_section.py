@@ -26,16 +26,16 @@ def _interval(numbers):
     return known_text(interval_of(numbers))
 
 
-def _rank_row(entry):
+def _rank_row(entry, baseline):
     lost = entry.get("loses_energy")
     note = f"<small>loses {100 * lost:.2g} % of the energy</small>" if lost is not None else ""
     letters = f"no verdict: {entry['withheld']}" if "withheld" in entry else entry["letters"] or unjudged(entry)
     return (f'<tr><td class="letters">{escape(letters)}</td>'
             f'<th scope="row">{escape(name_of(entry))}{note}</th>'
             f'<td class="number">{_interval(entry["value"])}</td>'
-            f'<td class="number">{_interval(entry.get("ratio"))}</td>'
-            f'<td>{escape(entry.get("against_baseline", ""))}{_why(entry)}</td>'
-            f'<td class="number">{_interval(entry["energy"])}</td></tr>')
+            + (f'<td class="number">{_interval(entry.get("ratio"))}</td>'
+               f'<td>{escape(entry.get("against_baseline", ""))}{_why(entry)}</td>' if baseline else "")
+            + f'<td class="number">{_interval(entry["energy"])}</td></tr>')
 
 
 def _why(entry):
@@ -46,16 +46,15 @@ def _why(entry):
 
 
 def _rankings(conditions, labels, metric_text, baseline, note):
-    blocks = []
+    blocks, heads = [], (f"relative to {escape(baseline)}", f"than {escape(baseline)}") if baseline else ()
     for c in conditions:
-        rows = [_rank_row(entry) for entry in c["ranking"][:LONGEST_RANKING]]
+        rows = [_rank_row(entry, baseline) for entry in c["ranking"][:LONGEST_RANKING]]
         rest = len(c["ranking"]) - LONGEST_RANKING
         more = f"<p>{rest} further methods: statistics.json has them.</p>" if rest > 0 else ""
         blocks.append(
             f'<details{" open" if not blocks else ""}><summary>{escape(labels[c["dump"]])} at '
             f'{number_text(c["spp"])} spp</summary><p>About {escape(c["about"]["text"])}.</p>'
-            + scrolled_table("ranks", ("group", "method", escape(metric_text), f"relative to {escape(baseline)}",
-                                       f"than {escape(baseline)}", "energy"), rows) + f"{more}</details>")
+            + scrolled_table("ranks", ("group", "method", escape(metric_text), *heads, "energy"), rows) + f"{more}</details>")
     return f"<h3>Ranks</h3>{note and f'<p>{note}</p>'}{''.join(blocks)}" if blocks else ""
 
 

@@ -21,7 +21,7 @@ class Sentence(NamedTuple):
 
 def summarise(combinations, statistics, metric, labels):
     """Sentences; `labels` gives each scene's short name."""
-    sentences = [scope(combinations, labels), *abouts(statistics, metric)]
+    sentences = [scope(combinations, labels), *abouts(statistics, metric, labels)]
     sentences += failures(combinations, labels)
     for condition in statistics.of_metric(metric):
         sentences.append(best_of(condition, statistics.metric_text(metric), labels, statistics.baseline)._replace(spp=condition["spp"]))
@@ -67,13 +67,13 @@ def scope(combinations, labels):
         f"{count_text(sum(c.replicates for c in combinations), 'result')}.", "scope")
 
 
-def abouts(statistics, metric):
+def abouts(statistics, metric, labels):
     """What the intervals and verdicts are about, once where it is the same everywhere."""
-    texts = dict.fromkeys((c["spp"], c["about"]["text"]) for c in statistics.of_metric(metric))
-    if len({text for _, text in texts}) == 1:
-        return [Sentence(f"Intervals and verdicts are about {next(iter(texts))[1]}.", "about")]
-    return [Sentence(f"At {spp:g} samples per pixel, intervals and verdicts are about {text}.", "about")
-            for spp, text in texts]
+    texts = {}
+    for c in statistics.of_metric(metric):
+        texts.setdefault(c["about"]["text"], []).append(f"{labels[c['dump']]} at {c['spp']:g} spp")
+    return [Sentence(f"Intervals and verdicts {f'of {list_text(places, LONGEST_LIST)} ' if len(texts) > 1 else ''}are about {text}.", "about")
+            for text, places in texts.items()]
 
 
 def failures(combinations, labels):
