@@ -130,9 +130,7 @@ Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
                 "replicate");
   }
   const ReferenceKind kind = options.reference.value_or(default_reference_kind(*recording));
-  const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
-  int holdout = options.holdout.value_or(0);
-  if (!options.holdout && holds_out) holdout = default_holdout(*recording);
+  const int holdout = withheld_samples(kind, *recording, options.holdout, options.pieces_per_side);
   SPOOL_ASSIGN(SamplePool pool,
                SamplePool::create(recording, pool_options(options, cell.replicate, holdout)));
   SPOOL_ASSIGN(ReadySampler sampler, ready);

@@ -109,7 +109,7 @@ const std::vector<ReferenceDescription>& reference_kinds() {
       {ReferenceKind::kHoldoutPair, "holdout_pair",
        "two means of the held-out samples: their product of errors, without an estimated variance"},
       {ReferenceKind::kLeaveSelectedOut, "leave_selected_out",
-       "the samples that the sampler did not select"},
+       "the samples that the sampler did not select; three of every pixel it is not offered"},
       {ReferenceKind::kCrossfit, "crossfit",
        "each half of every pixel's samples by the other half; the mean of both errors. Budgets up "
        "to "
@@ -137,6 +137,14 @@ Result<ReferenceKind> parse_reference_kind(std::string_view name) {
 
 int default_holdout(const RecordedSamples& recording) {
   return recording.spp() < 32 ? 0 : std::max(16, recording.spp() / 4);
+}
+
+int withheld_samples(ReferenceKind kind, const RecordedSamples& recording,
+                     std::optional<int> chosen, int pieces_per_side) {
+  const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
+  const int asked = chosen.value_or(holds_out ? default_holdout(recording) : 0);
+  if (kind != ReferenceKind::kLeaveSelectedOut) return asked;
+  return std::max(asked, kLeastWithheld * pieces_per_side * pieces_per_side);
 }
 
 ReferenceKind default_reference_kind(const RecordedSamples& recording) {
@@ -194,7 +202,8 @@ JudgingReference leave_selected_out_reference(const SamplePool& pool, const Coun
   return split_reference(pool, [&](int x, int y) {
     const int capacity = pool.capacity(x, y), size = pool.size(x, y);
     SPOOL_CHECK_LE(counts(x, y), capacity);
-    const PieceSplit split = split_third({capacity < size ? capacity : counts(x, y), size});
+    const bool held_out = size - capacity > kLeastWithheld;
+    const PieceSplit split = split_third({held_out ? capacity : counts(x, y), size});
     return PieceSplit{{counts(x, y), split.reference.end}, split.denominator};
   });
 }

@@ -6,6 +6,7 @@
 // for each method. `pool` does that; it exists to show the effect and calls itself biased.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -40,6 +41,13 @@ inline bool is_biased(ReferenceKind kind) {
 // Samples per pixel to hold out by default: a quarter, at least 16, and none when the recording is
 // too short to spare them (fewer than 32 samples).
 int default_holdout(const RecordedSamples& recording);
+// Samples per pixel that a pool holds out for such a reference, where `chosen` are asked for: those
+// where given, else the default of a holdout kind. leave_selected_out holds out at least
+// kLeastWithheld per piece: a sampler that took all samples of a pixel would drop it from its own
+// error, which every method would then do differently.
+inline constexpr int kLeastWithheld = 3;  // two for a mean with its variance, one to divide by
+int withheld_samples(ReferenceKind kind, const RecordedSamples& recording,
+                     std::optional<int> chosen, int pieces_per_side);
 // The kind used without a choice: independent where the recording carries a reference, else
 // holdout where it can spare the samples, else leave_selected_out.
 ReferenceKind default_reference_kind(const RecordedSamples& recording);
@@ -61,10 +69,10 @@ Result<JudgingReference> holdout_reference(const SamplePool& pool);
 Result<JudgingReference> holdout_pair_reference(const SamplePool& pool);
 
 // Means of the samples that the selection did not take, counts(x, y) per piece: unbiased even when
-// the counts depend on the data, since a decision used selected samples only. With a holdout the
-// denominator is as above and R is made of all other unselected samples; without one it is the 3x3
-// box mean of the last third of the unselected samples. A pixel with fewer than two samples left in
-// some piece has no reference (NaN): combine with a holdout where pools run out.
+// the counts depend on the data, since a decision used selected samples only. With a holdout of
+// more than kLeastWithheld the denominator is as above and R is made of all other unselected
+// samples; else it is the 3x3 box mean of the last third of the unselected samples. A pixel with
+// fewer than two samples left in some piece has no reference (NaN): see withheld_samples().
 JudgingReference leave_selected_out_reference(const SamplePool& pool, const CountImage& counts);
 
 // Means of all samples of the other half of the recording (SamplePool::half), which had no part in

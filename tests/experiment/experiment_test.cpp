@@ -159,8 +159,9 @@ TEST(Experiment, EveryReferenceKindFindsTheSameErrorExceptThePool) {
     for (const CellResult& result : results) {
       ASSERT_FALSE(result.error.has_value()) << result.error->message;
       mse[static_cast<int>(kind)] += result.metrics["mse"].value / 8;
-      EXPECT_EQ(result.holdout,
-                kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair ? 16 : 0);
+      const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
+      const int left = kind == ReferenceKind::kLeaveSelectedOut ? kLeastWithheld : 0;
+      EXPECT_EQ(result.holdout, holds_out ? 16 : left);
       EXPECT_EQ(value_of(result, "reference"),
                 kind == ReferenceKind::kPool ? "pool (biased)" : reference_name(kind));
     }
@@ -170,6 +171,22 @@ TEST(Experiment, EveryReferenceKindFindsTheSameErrorExceptThePool) {
   EXPECT_NEAR(mse[3] / mse[0], 1.0, 0.15);
   EXPECT_NEAR(mse[5] / mse[0], 1.0, 0.15);
   EXPECT_NEAR(mse[4] / mse[0], 1.0 - 16.0 / 48, 0.1);
+}
+
+// A method that takes all it is offered is judged by every pixel.
+TEST(Experiment, LeaveSelectedOutDropsNoPixel) {
+  for (const std::optional<int> holdout : {std::optional<int>(), std::optional(2)}) {
+    Laboratory laboratory;
+    ExperimentOptions options;
+    options.reference = ReferenceKind::kLeaveSelectedOut;
+    options.holdout = holdout;
+    for (const CellResult& result :
+         run_experiment(all_cells({"one"}, {method("uniform")}, {method("mean")}, {16, 48}, 1),
+                        options, laboratory.sources())) {
+      EXPECT_EQ(result.metrics.excluded_reference, 0u);
+      EXPECT_EQ(result.metrics.pixels, 40u * 30);
+    }
+  }
 }
 
 // On the ring replicates share samples and held-out samples, so that one picture's ratio has a

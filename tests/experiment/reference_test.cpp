@@ -310,6 +310,15 @@ TEST(Reference, DefaultsFollowWhatTheRecordingHas) {
   EXPECT_EQ(default_holdout(*memory_recording(2, 2, 256, grey)), 64);
   EXPECT_EQ(default_reference_kind(*memory_recording(2, 2, 8, grey)),
             ReferenceKind::kLeaveSelectedOut);
+  const auto withheld = [&](ReferenceKind kind, std::optional<int> chosen, int pieces) {
+    return withheld_samples(kind, *memory_recording(2, 2, 64, grey), chosen, pieces);
+  };
+  EXPECT_EQ(withheld(ReferenceKind::kHoldout, {}, 2), 16);
+  EXPECT_EQ(withheld(ReferenceKind::kHoldoutPair, 5, 1), 5);
+  EXPECT_EQ(withheld(ReferenceKind::kIndependent, {}, 1), 0);
+  EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, {}, 1), 3);
+  EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, 4, 2), 12);
+  EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, 16, 2), 16);
   EXPECT_EQ(default_reference_kind(*memory_recording(2, 2, 64, grey)), ReferenceKind::kHoldout);
   EXPECT_EQ(default_reference_kind(make_scene_s(4, 4, 64, 1)), ReferenceKind::kIndependent);
   EXPECT_FALSE(independent_reference(*memory_recording(2, 2, 8, grey)).has_value());
