@@ -66,11 +66,17 @@ HalfSpread half_variance(std::span<const HalfDifference> splits) {
 std::vector<HalfDifference> difference_of(std::span<const HalfDifference> a, double first,
                                           std::span<const HalfDifference> b, double second) {
   std::vector<HalfDifference> found;
-  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
-    if (a[k].columns != b[k].columns || a[k].cells.size() != b[k].cells.size()) return {};
-    HalfDifference& split = found.emplace_back(HalfDifference{a[k].columns, a[k].cells, {}});
+  auto other = b.begin();
+  for (const HalfDifference& one : a) {
+    while (other != b.end() && other->replicate < one.replicate)
+      ++other;
+    if (other == b.end() || other->replicate != one.replicate) continue;
+    if (one.columns != other->columns || one.cells.size() != other->cells.size()) return {};
+    HalfDifference& split =
+        found.emplace_back(HalfDifference{one.columns, one.cells, {}, one.replicate});
     for (std::size_t c = 0; c < split.cells.size(); ++c)
-      split.cells[c] = first * a[k].cells[c] - second * b[k].cells[c];
+      split.cells[c] = first * one.cells[c] - second * other->cells[c];
+    ++other;
   }
   return found;
 }

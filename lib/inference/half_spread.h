@@ -26,6 +26,7 @@ struct HalfDifference {
   // Where it varies: the samples that a whole replicate took of a piece, and the share of the sum
   // of squared differences of pixels that lies in such pieces, in millionths.
   TakenCounts varying;
+  int replicate = 0;  // whose pool was split: its place among the values of a series
 };
 
 struct HalfSpread {
@@ -36,7 +37,8 @@ struct HalfSpread {
 // `splits`: of one metric; none, or of pictures of several sizes: not known.
 HalfSpread half_variance(std::span<const HalfDifference> splits);
 
-// first * a - second * b, cell by cell, of the splits that both have; empty where sizes differ.
+// first * a - second * b, cell by cell, of the replicates that both have, each in ascending order;
+// empty where sizes differ. Only what halves of one pool share cancels.
 std::vector<HalfDifference> difference_of(std::span<const HalfDifference> a, double first,
                                           std::span<const HalfDifference> b, double second);
 

@@ -107,6 +107,9 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
   }
   for (const MetricHalves& halves : found->halves)
     method.spread[halves.metric].halves.push_back(halves.difference);
+    method.spread[halves.metric].halves.back().replicate =
+        static_cast<int>(method.values.front().size()) - 1;
+  }
   method.shared_machine = method.shared_machine || found->text("timing") == "shared";
   method.reference = found->text("reference");
   method.biased = method.biased || method.reference.ends_with("(biased)");

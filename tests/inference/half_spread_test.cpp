@@ -63,6 +63,21 @@ TEST(HalfSpread, DifferencesNeedTheSameCells) {
   EXPECT_EQ(half_variance(std::vector{a[0], HalfDifference{2, {1.0, 2.0}, {}}}).freedom, 0.0);
 }
 
+// One method has no halves of the first replicate: what both share in the others cancels still.
+TEST(HalfSpread, HalvesAreThoseOfTheSameReplicates) {
+  std::vector a = {cells(1, 0.2), cells(2, 0.2), cells(3, 0.2)};
+  for (int r = 0; r < 3; ++r)
+    a[static_cast<std::size_t>(r)].replicate = r;
+  const std::vector b(a.begin() + 1, a.end());
+  for (const auto& found : {difference_of(a, 1.0, b, 1.0), difference_of(b, 1.0, a, 1.0)}) {
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_EQ(half_variance(found).variance, 0.0);
+    EXPECT_EQ(found[1].replicate, 2);
+  }
+  const Series first{{1.0, 1.2, 0.9}, 0.5, {}, a}, second{{2.0, 2.4, 1.8}, 0.5, {}, b};
+  EXPECT_LT(compare_paired(first, second, Better::kLower).standard_error, 1e-9);
+}
+
 // Replicates that are the same picture but for a trace: their own scatter says nothing.
 TEST(HalfSpread, ReplicatesThatShareTheirErrorHaveTheIntervalOfTheHalves) {
   Series series{{1.0, 1.001, 0.999, 1.0}, 1.0, {}, {cells(1, 0.05), cells(2, 0.05)}};
