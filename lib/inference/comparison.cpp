@@ -54,6 +54,16 @@ double measured_correlation(const Series& a, double slope_a, const Series& b, do
 }
 
 // By how much a cost changes where the metric changes by a share of itself.
+// Of those that both have, where each has its own place.
+bool same_values(const Series& a, const Series& b) {
+  if (a.values.size() != b.values.size()) return false;
+  for (std::size_t r = 0; r < a.values.size(); ++r) {
+    const bool both = std::isfinite(a.values[r]) && std::isfinite(b.values[r]);
+    if (both && a.values[r] != b.values[r]) return false;
+  }
+  return true;
+}
+
 double cost_slope(const Series& series, Better better, bool logarithmic) {
   if (logarithmic) return 1.0;
   double mean = 0.0;
@@ -67,7 +77,7 @@ double cost_slope(const Series& series, Better better, bool logarithmic) {
 
 // Sets what is known of the pair without a test; whether a test can say more.
 bool can_tell(Comparison& c, const Series& a, const Series& b) {
-  c.identical = c.n > 0 && a.values == b.values;
+  c.identical = c.n > 0 && same_values(a, b);
   c.withheld = a.withheld != Withheld::kNo ? a.withheld : b.withheld;
   return c.n >= 2 && !a.alike() && !b.alike() && c.withheld == Withheld::kNo;
 }

@@ -27,7 +27,7 @@ struct Comparison {
   double high = std::numeric_limits<double>::quiet_NaN();
   double p = std::numeric_limits<double>::quiet_NaN();  // two-sided; NaN: cannot be compared
   bool logarithmic = false;           // the exponential of difference, low and high is the ratio
-  bool identical = false;             // in every replicate
+  bool identical = false;             // in every replicate that both have
   Withheld withheld = Withheld::kNo;  // why it is not known
 
   double standard_error = std::numeric_limits<double>::quiet_NaN();  // of difference

@@ -38,8 +38,9 @@ void finish(Interval& interval, double reach, Range range) {
 }  // namespace
 
 bool Series::alike() const {
-  return values.size() > 1 &&
-         std::ranges::all_of(values, [&](double v) { return v == values.front(); });
+  const auto first = std::ranges::find_if(values, [](double v) { return std::isfinite(v); });
+  return known() > 1 &&
+         std::ranges::all_of(values, [&](double v) { return v == *first || !std::isfinite(v); });
 }
 
 int Series::known() const {

@@ -45,7 +45,7 @@ struct Series {
   Withheld withheld = Withheld::kNo;
   int recordings = 1;  // the values are as many of each, one recording after the other
 
-  // Several values, all the same: replicates of one image, which do not say how exact it is.
+  // Several finite values, all the same: replicates of one image, which do not say how exact it is.
   bool alike() const;
   int known() const;  // finite values
 };

@@ -73,6 +73,20 @@ TEST(ComparePaired, NoDifferenceAndOneImage) {
 }
 
 TEST(ComparePaired, WhereAnErrorIsNotPositiveDifferencesAreTakenAsTheyAre) {
+// A cell that failed, or is not there, leaves them the replicates of one image that they are.
+TEST(ComparePaired, AMissingReplicateChangesNothingAboutTheOthers) {
+  const double none = std::nan("");
+  const Series one_image{{2.0, none, 2.0, 2.0}}, a{{1.0, 1.2, none, 1.1}};
+  EXPECT_TRUE(one_image.alike());
+  EXPECT_FALSE((Series{{2.0, none}}).alike());
+  EXPECT_FALSE(compare_paired(one_image, {{1.0, 1.1, 1.2, 1.3}}, Better::kLower).known());
+  EXPECT_FALSE(rank_methods({one_image, a}, Better::kLower).methods.back().compared);
+  EXPECT_TRUE(compare_paired(a, a, Better::kLower).identical);
+  EXPECT_TRUE(compare_paired(a, {{1.0, none, 1.3, 1.1}}, Better::kLower).identical);
+  EXPECT_FALSE(compare_paired(a, {{1.0, none, 1.3, 1.2}}, Better::kLower).identical);
+  EXPECT_FALSE(compare_independent({{1.0, 1.2}}, {{1.0, 1.2, 1.3}}, Better::kLower).identical);
+}
+
   const Series a{{-0.1, 0.1, 0.0, 0.2}}, b{{1.0, 1.1, 1.2, 0.9}};
   const Comparison found = compare_paired(a, b, Better::kLower);
   EXPECT_FALSE(found.logarithmic);
