@@ -69,7 +69,9 @@ double log_slope(std::span<const double> budget, std::span<const double> error) 
 
 Interval error_slope(const BudgetCurve& curve) {
   SPOOL_CHECK_EQ(curve.spp.size(), curve.series.size());
-  if (curve.series.empty()) return {};
+  const bool positive = std::ranges::all_of(
+      curve.series, [](const Series& series) { return all_positive(series.values); });
+  if (curve.series.empty() || !positive) return {};
   // The spread is that of the whole line; values are by replicate, as budgets may be missing.
   std::vector<WeightedSeries> line;
   for (std::size_t b = 0; b < curve.spp.size(); ++b) {
@@ -92,7 +94,8 @@ SamplesNeeded samples_needed(const BudgetCurve& curve, const Series& target) {
   SamplesNeeded needed;
   if (curve.spp.size() < 2) return needed;
   const std::vector<Place> places = places_of(curve, target);
-  if (!std::isfinite(places.front().gap.mean)) return needed;
+  const auto known = [](const Place& p) { return std::isfinite(p.gap.mean); };
+  if (!std::ranges::all_of(places, known)) return needed;
   const auto reached = std::ranges::find_if(places, [](const Place& p) { return p.gap.mean <= 0; });
   needed.at_most = reached == places.begin();
   needed.more_than = reached == places.end();
@@ -114,6 +117,8 @@ SamplesNeeded samples_needed(const BudgetCurve& curve, const Series& target) {
   };
   needed.low = end(first, &Interval::low);
   needed.high = end(last, &Interval::high);
+  needed.at_most = needed.at_most && last == places.begin();
+  needed.more_than = needed.more_than && first == places.end();
   return needed;
 }
 

@@ -18,8 +18,8 @@ struct BudgetCurve {
 };
 
 // Mean over replicates of the slope of log error over log budget by least squares; unfiltered
-// estimates have slope -1 until adaptive bias or the noise of the reference shows. Values that are
-// not positive are left out; a replicate with fewer than two left has no slope.
+// estimates have slope -1 until adaptive bias or the noise of the reference shows. A replicate with
+// fewer than two values has no slope; where one value is not positive none is known.
 Interval error_slope(const BudgetCurve& curve);
 
 // Slope of log(error) over log(budget) by least squares; NaN with fewer than two positive points.
@@ -27,7 +27,8 @@ double log_slope(std::span<const double> budget, std::span<const double> error);
 
 // Where the curve, straight between its points on logarithmic axes, first reaches the mean of
 // `target`; `low` to `high` are the budgets at which the two are not separated. Outside the
-// measured budgets nothing is extrapolated: the end is given, with a mark.
+// measured budgets nothing is extrapolated: the end is given, with a mark where `low` and `high`,
+// if known, lie there too. Nothing is known where one value is not positive.
 struct SamplesNeeded {
   double spp = std::numeric_limits<double>::quiet_NaN();  // where nothing is known
   double low = std::numeric_limits<double>::quiet_NaN();

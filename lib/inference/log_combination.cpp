@@ -17,9 +17,10 @@ Series log_combination(std::span<const WeightedSeries> parts) {
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const auto& [weight, series] = parts[p];
     SPOOL_CHECK_EQ(series->values.size(), sum.values.size());
+    const bool positive = all_positive(series->values);
     for (std::size_t r = 0; r < sum.values.size(); ++r) {
       const double value = series->values[r];
-      const bool usable = value > 0.0 && std::isfinite(value);
+      const bool usable = positive && std::isfinite(value);
       sum.values[r] += usable ? weight * std::log(value) : std::nan("");
     }
     sum.correlation = std::max(sum.correlation, series->correlation);

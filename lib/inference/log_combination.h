@@ -13,8 +13,9 @@ struct WeightedSeries {
   const Series* series = nullptr;
 };
 
-// Replicate by replicate; NaN where a value has no logarithm. What is known of the spread between
-// recordings goes along, and what one of them withholds is withheld.
+// Replicate by replicate; NaN where one has no value, and everywhere as soon as one value is not
+// positive: those that are left would be the large ones of a debiased error. What is known of the
+// spread between recordings goes along, and what one of them withholds is withheld.
 Series log_combination(std::span<const WeightedSeries> parts);
 
 // Of the mean of what log_combination() returned, as it is.

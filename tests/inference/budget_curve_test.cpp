@@ -55,6 +55,30 @@ TEST(BudgetCurve, OutsideTheMeasuredBudgetsTheEndIsGivenWithAMark) {
   EXPECT_EQ(hard.low, 32.0);
 }
 
+// "At most 2" beside an interval up to 4 would say both.
+TEST(BudgetCurve, AMarkAgreesWithTheInterval) {
+  const BudgetCurve curve = power_law(3.0, -1.0, 0.3, 3);
+  const SamplesNeeded easy = samples_needed(curve, noisy(1.6, 0.3, 4));
+  EXPECT_EQ(easy.spp, 2.0);
+  EXPECT_GT(easy.high, 2.0);
+  EXPECT_FALSE(easy.at_most);
+  const SamplesNeeded hard = samples_needed(curve, noisy(0.09, 0.3, 5));
+  EXPECT_EQ(hard.spp, 32.0);
+  EXPECT_LT(hard.low, 32.0);
+  EXPECT_FALSE(hard.more_than);
+}
+
+// What is left of a debiased error without its values below zero is too large.
+TEST(BudgetCurve, NothingIsKnownWhereAValueIsNotPositive) {
+  BudgetCurve curve = power_law(3.0, -1.0, 0.1, 7);
+  const Series target = noisy(0.5, 0.1, 8);
+  ASSERT_TRUE(std::isfinite(samples_needed(curve, target).spp));
+  curve.series.back().values[2] = -0.01;
+  EXPECT_TRUE(std::isnan(error_slope(curve).mean));
+  EXPECT_TRUE(std::isnan(samples_needed(curve, target).spp));
+  EXPECT_TRUE(std::isnan(samples_needed(power_law(3.0, -1.0, 0.1, 7), curve.series.back()).spp));
+}
+
 // 95 % +- 4 standard deviations of 3.1 of 200.
 TEST(BudgetCurve, IntervalsHoldTheTruthMostly) {
   int slope_holds = 0, samples_hold = 0;

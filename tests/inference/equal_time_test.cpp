@@ -43,6 +43,14 @@ TEST(EqualTime, NothingIsReadBeyondTheBudgets) {
   EXPECT_FALSE(equal_time(curve, {std::nan(""), &a}).known());
 }
 
+TEST(EqualTime, IsNotKnownWhereAValueIsNotPositive) {
+  Series a = noisy(3.0, 0.1, 1);
+  const Series b = noisy(0.75, 0.1, 2);
+  a.values[5] = 0.0;
+  const TimedError curve[] = {{1.0, &a}, {4.0, &b}};
+  EXPECT_FALSE(equal_time(curve, {2.0, &b}).known());
+}
+
 TEST(EqualTime, WhatIsWithheldStaysSo) {
   Series a = noisy(3.0, 0.1, 1);
   const Series b = noisy(0.75, 0.1, 2);
