@@ -9,17 +9,6 @@
 namespace spool {
 namespace {
 
-bool compares_logarithms(const Series& a, const Series& b, Better better) {
-  return better == Better::kLower && all_positive(a.values) && all_positive(b.values);
-}
-
-std::vector<double> costs(const Series& series, Better better, bool logarithmic) {
-  std::vector<double> result;
-  for (const double value : series.values)
-    result.push_back(std::isfinite(value) ? cost(value, better, logarithmic) : value);
-  return result;
-}
-
 // Of values that both have; 0 where either does not vary.
 double sample_correlation(const std::vector<double>& a, const std::vector<double>& b) {
   double mean_a = 0.0, mean_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
@@ -54,16 +43,6 @@ double measured_correlation(const Series& a, double slope_a, const Series& b, do
 }
 
 // By how much a cost changes where the metric changes by a share of itself.
-// Of those that both have, where each has its own place.
-bool same_values(const Series& a, const Series& b) {
-  if (a.values.size() != b.values.size()) return false;
-  for (std::size_t r = 0; r < a.values.size(); ++r) {
-    const bool both = std::isfinite(a.values[r]) && std::isfinite(b.values[r]);
-    if (both && a.values[r] != b.values[r]) return false;
-  }
-  return true;
-}
-
 double cost_slope(const Series& series, Better better, bool logarithmic) {
   if (logarithmic) return 1.0;
   double mean = 0.0;
@@ -73,6 +52,16 @@ double cost_slope(const Series& series, Better better, bool logarithmic) {
   if (better == Better::kHigher) return -mean;
   if (better == Better::kOne) return mean >= 1.0 ? 1.0 : -1.0;
   return mean;
+}
+
+// Of those that both have, where each has its own place.
+bool same_values(const Series& a, const Series& b) {
+  if (a.values.size() != b.values.size()) return false;
+  for (std::size_t r = 0; r < a.values.size(); ++r) {
+    const bool both = std::isfinite(a.values[r]) && std::isfinite(b.values[r]);
+    if (both && a.values[r] != b.values[r]) return false;
+  }
+  return true;
 }
 
 // Sets what is known of the pair without a test; whether a test can say more.
@@ -102,10 +91,21 @@ MeanError mean_cost(const Series& series, Better better, bool logarithmic) {
 
 }  // namespace
 
+bool compares_logarithms(const Series& a, const Series& b, Better better) {
+  return better == Better::kLower && all_positive(a.values) && all_positive(b.values);
+}
+
 double cost(double value, Better better, bool logarithmic) {
   if (better == Better::kHigher) return -value;
   if (better == Better::kOne) return std::abs(value > 0.0 ? std::log(value) : value - 1.0);
   return logarithmic ? std::log(value) : value;
+}
+
+std::vector<double> costs(const Series& series, Better better, bool logarithmic) {
+  std::vector<double> result;
+  for (const double value : series.values)
+    result.push_back(std::isfinite(value) ? cost(value, better, logarithmic) : value);
+  return result;
 }
 
 double Comparison::p_of(double limit) const {
@@ -128,9 +128,13 @@ Interval Comparison::ratio() const {
 }
 
 Comparison compare_paired(const Series& a, const Series& b, Better better) {
+  return compare_paired(a, b, better, compares_logarithms(a, b, better));
+}
+
+Comparison compare_paired(const Series& a, const Series& b, Better better, bool logarithmic) {
   SPOOL_CHECK_EQ(a.values.size(), b.values.size());
   Comparison c;
-  c.logarithmic = compares_logarithms(a, b, better);
+  c.logarithmic = logarithmic;
   const std::vector<double> first = costs(a, better, c.logarithmic);
   const std::vector<double> second = costs(b, better, c.logarithmic);
   std::vector<double> differences;
@@ -144,7 +148,7 @@ Comparison compare_paired(const Series& a, const Series& b, Better better) {
   const MeanError found = mean_error(differences, correlation, half_variance(halves), a.recordings);
   c.n = found.n;
   c.difference = found.mean;
-  c.correlation = a.recordings >= kOwnSpread ? 0.0 : correlation;
+  c.correlation = correlation;
   if (!can_tell(c, a, b)) return c;
   test(c, found.standard_error, found.freedom);
   return c;
@@ -195,18 +199,23 @@ MoreNeeded more_needed(const Comparison& comparison, int recordings, double leve
   const double n = comparison.n, c = std::min(comparison.correlation, 1.0);
   const double variance = std::pow(comparison.standard_error, 2.0);
   const double of_one = variance * n / (1.0 + (n - 1.0) * c);
-  // Of the mean's variance, with this many replicates or recordings more.
-  const auto wanted = [&](double more) {
-    const double freedom = std::max(1.0, comparison.freedom + more);
+  // Of the mean's variance.
+  const auto wanted = [&](double freedom) {
     return std::pow(comparison.difference / (student_quantile(1.0 - 0.5 * level, freedom) +
                                              student_quantile(0.8, freedom)),
                     2.0);
   };
+  // Of so many recordings, with so many values more than now. From kOwnSpread on the spread is
+  // that of their means alone: the third takes away what halves and replicates had said.
+  const auto freedom_of = [&](double all, double more) {
+    return all >= kOwnSpread ? all - 1.0 : std::max(1.0, comparison.freedom + more);
+  };
   needed.recordings = least_from(recordings, [&](double all) {
-    return variance * recordings / all <= wanted(all - recordings);
+    return variance * recordings / all <= wanted(freedom_of(all, all - recordings));
   });
-  needed.replicates = least_from(
-      n, [&](double all) { return of_one * (1.0 + (all - 1.0) * c) / all <= wanted(all - n); });
+  needed.replicates = least_from(n, [&](double all) {
+    return of_one * (1.0 + (all - 1.0) * c) / all <= wanted(freedom_of(recordings, all - n));
+  });
   return needed;
 }
 
@@ -233,18 +242,36 @@ Verdict verdict_of(const Comparison& comparison, double p, double significance) 
   return comparison.difference < 0.0 ? Verdict::kBetter : Verdict::kWorse;
 }
 
-std::vector<double> holm_adjusted(std::span<const double> p) {
+namespace {
+
+// Places of those that are known, the smallest first.
+std::vector<std::size_t> ascending(std::span<const double> p) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (!std::isnan(p[i])) order.push_back(i);
   }
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return p[i]; });
+  return order;
+}
+
+}  // namespace
+
+std::vector<double> holm_factors(std::span<const double> p, std::size_t family) {
+  std::vector<double> factors(p.begin(), p.end());
+  const std::vector<std::size_t> order = ascending(p);
+  std::size_t left = family > 0 ? family : order.size();
+  for (const std::size_t i : order)
+    factors[i] = static_cast<double>(left--);
+  return factors;
+}
+
+std::vector<double> holm_adjusted(std::span<const double> p, std::size_t family) {
+  const std::vector<double> factors = holm_factors(p, family);
   std::vector<double> adjusted(p.begin(), p.end());
   double largest = 0.0;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const double factor = static_cast<double>(order.size() - k);
-    largest = std::max(largest, std::min(1.0, p[order[k]] * factor));
-    adjusted[order[k]] = largest;
+  for (const std::size_t i : ascending(p)) {
+    largest = std::max(largest, std::min(1.0, p[i] * factors[i]));
+    adjusted[i] = largest;
   }
   return adjusted;
 }

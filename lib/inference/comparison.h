@@ -17,8 +17,12 @@
 
 namespace spool {
 
+// Whether logarithms are compared: where lower is better, of positive values.
+bool compares_logarithms(const Series& a, const Series& b, Better better);
+
 // What is compared: lower is better; as a logarithm where `logarithmic`, of positive values.
 double cost(double value, Better better, bool logarithmic);
+std::vector<double> costs(const Series& series, Better better, bool logarithmic);
 
 struct Comparison {
   int n = 0;                                                     // pairs of finite values
@@ -45,11 +49,14 @@ struct Comparison {
 // Series of the same replicates, in order. Not known with fewer than two pairs, or where one of
 // the two repeats one image while the other varies.
 Comparison compare_paired(const Series& a, const Series& b, Better better);
+// On a scale that is given; `logarithmic` is of positive values.
+Comparison compare_paired(const Series& a, const Series& b, Better better, bool logarithmic);
 // Series that have nothing in common.
 Comparison compare_independent(const Series& a, const Series& b, Better better);
 
 // About how much more would separate the two at `level` in 80 % of attempts, if they differ by
-// what was measured. Replicates help while they bring samples of their own; recordings always do.
+// what was measured. Replicates help while they bring samples of their own; recordings always do,
+// but the third one takes the freedom of halves and replicates away (intervals.h), which counts.
 struct MoreNeeded {
   double replicates = 0;  // in all; infinite: no number of this recording
   double recordings = 0;  // in all
@@ -69,7 +76,10 @@ std::string_view verdict_name(Verdict verdict);
 Verdict verdict_of(const Comparison& comparison, double p, double significance = 0.05);
 
 // Family-wise p-values by Holm's step-down rule [Holm79], in the order given. NaN stays NaN and is
-// no member of the family.
-std::vector<double> holm_adjusted(std::span<const double> p);
+// no member of the family. `family`: its size where more could have been compared, and what they
+// say decided which were; 0: those given.
+std::vector<double> holm_adjusted(std::span<const double> p, std::size_t family = 0);
+// What each is multiplied by for it, before the product is cut at 1.
+std::vector<double> holm_factors(std::span<const double> p, std::size_t family = 0);
 
 }  // namespace spool

@@ -11,9 +11,12 @@ namespace spool {
 namespace {
 
 // Smaller is better; a mean that is not known comes last.
-double order_of(const RankedMethod& ranked, Better better) {
-  const double mean = ranked.mean.mean;
-  return std::isnan(mean) ? std::numeric_limits<double>::infinity() : cost(mean, better, false);
+double order_of(const RankedMethod& ranked, const Series& series, Better better, bool logarithmic) {
+  const double mean =
+      ranked.compared
+          ? mean_error(costs(series, better, logarithmic), 0.0, {}, series.recordings).mean
+          : cost(ranked.mean.mean, better, false);
+  return std::isnan(mean) ? std::numeric_limits<double>::infinity() : mean;
 }
 
 // Places in the sorted list that are compared.
@@ -73,21 +76,33 @@ Ranking rank_methods(const std::vector<Series>& methods, Better better,
                           methods[m].withheld == Withheld::kNo;
     ranking.methods.push_back({m, mean_interval(methods[m], options.range), "", compared});
   }
+  const bool logarithmic =
+      better == Better::kLower && std::ranges::all_of(ranking.methods, [&](const auto& ranked) {
+        return !ranked.compared || all_positive(methods[ranked.method].values);
+      });
   std::ranges::stable_sort(ranking.methods, {}, [&](const RankedMethod& ranked) {
-    return std::pair(!ranked.compared, order_of(ranked, better));
+    return std::pair(!ranked.compared,
+                     order_of(ranked, methods[ranked.method], better, logarithmic));
   });
   const auto compared =
       static_cast<std::size_t>(std::ranges::count(ranking.methods, true, &RankedMethod::compared));
   std::vector<double> p;
   for (const auto& [i, j] : wanted_pairs(ranking, compared, options)) {
     const std::size_t a = ranking.methods[i].method, b = ranking.methods[j].method;
-    ranking.pairs.push_back({a, b, compare_paired(methods[a], methods[b], better)});
-    p.push_back(ranking.pairs.back().comparison.p);
+    PairVerdict& pair = ranking.pairs.emplace_back(
+        PairVerdict{a, b, compare_paired(methods[a], methods[b], better, logarithmic), {}});
+    const bool has_ratio = !logarithmic && compares_logarithms(methods[a], methods[b], better);
+    pair.ratio = has_ratio ? compare_paired(methods[a], methods[b], better).ratio()
+                           : pair.comparison.ratio();
+    p.push_back(pair.comparison.p);
   }
-  const std::vector<double> adjusted = holm_adjusted(p);
+  const std::size_t family = compared > options.most_paired ? compared * (compared - 1) / 2 : 0;
+  const std::vector<double> adjusted = holm_adjusted(p, family);
+  const std::vector<double> factors = holm_factors(p, family);
   for (std::size_t k = 0; k < adjusted.size(); ++k) {
     PairVerdict& pair = ranking.pairs[k];
     pair.p = adjusted[k];
+    pair.factor = factors[k];
     pair.verdict = verdict_of(pair.comparison, pair.p, options.significance);
   }
   if (compared <= options.most_paired) set_letters(ranking, compared);

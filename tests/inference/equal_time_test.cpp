@@ -108,6 +108,34 @@ TEST(MoreNeeded, ReplicatesThatShareTheirErrorNeverTell) {
   EXPECT_NEAR(more.recordings, 2 * std::pow(2.8015852 * 0.2 / 0.1, 2), 5);
 }
 
+// Seen from the other side: recordings that differ by as much as was measured on halves, with their
+// freedom of 20. The third leaves two degrees of freedom, which would tell in one of three.
+TEST(MoreNeeded, RecordingsHaveTheFreedomOfTheRuleThatWillJudgeThem) {
+  Comparison c = measured(1.0, 0.45 / std::sqrt(2.0), 16, 0.0);
+  c.freedom = 20.0;
+  const double level = 0.01, recordings = more_needed(c, 2, level).recordings;
+  EXPECT_GT(recordings, 3.0);
+  const auto told = [&](double number) {
+    int count = 0;
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+      Series a, b;
+      a.recordings = b.recordings = static_cast<int>(number);
+      for (unsigned r = 0; r < static_cast<unsigned>(number); ++r) {
+        a.values.push_back(std::exp(1e-9 * r));
+        b.values.push_back(std::exp(1.0 + 0.45 * test::normal(seed, r)));
+      }
+      count += compare_paired(a, b, Better::kLower).p < level;
+    }
+    return count;
+  };
+  EXPECT_LT(told(3), 250);
+  EXPECT_GE(told(recordings), 400 - 3 * 9);
+  EXPECT_EQ(more_needed(c, 1, level).recordings, 2.0);  // which halves judge
+  // Replicates of three recordings add no freedom.
+  c.freedom = 2.0;
+  EXPECT_GT(more_needed(c, 3, level).replicates, 1.5 * more_needed(c, 2, level).replicates);
+}
+
 // Few replicates and many pairs: the normal quantile would promise 9, which tell in one of three.
 TEST(MoreNeeded, FewReplicatesKnowTheirSpreadBadly) {
   const double replicates = more_needed(measured(4.0, 1.0, 8, 0.0), 1, 0.05 / 66).replicates;
