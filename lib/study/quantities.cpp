@@ -12,7 +12,9 @@ namespace {
 std::vector<Quantity> make_quantities() {
   std::vector<Quantity> list;
   for (const MetricDescription& metric : metrics()) {
-    const Range range = metric.better == Better::kHigher ? Range::kReal : Range::kPositive;
+    // A sampler that loses no light has an energy of 1 in the mean of images; the mean of their
+    // logarithms lies below that of an image with few bright samples.
+    const Range range = metric.better == Better::kLower ? Range::kPositive : Range::kReal;
     list.push_back({metric.name, range, true, true});
   }
   for (const char* name :

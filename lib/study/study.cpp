@@ -145,14 +145,16 @@ std::optional<OverallFinding::AgainstBaseline> overall_against_baseline(
   return found;
 }
 
-// A quantity that one of the scenes does not average on its logarithm has no mean over them.
+// An error or a time that one of the scenes does not average on its logarithm has no mean over
+// them.
 Interval overall_interval(const std::vector<SceneSummary>& scenes, std::size_t budget,
                           std::size_t method, std::size_t quantity) {
   std::vector<Interval> intervals;
   for (const SceneSummary& scene : scenes)
     intervals.push_back(scene.budgets[budget][method].quantities[quantity]);
+  const bool logarithms = quantities()[quantity].range == Range::kPositive;
   const bool all = std::ranges::all_of(intervals, &Interval::logarithmic);
-  return all ? mean_of_intervals(intervals) : Interval{};
+  return all || !logarithms ? mean_of_intervals(intervals) : Interval{};
 }
 
 void add_overall(std::vector<OverallFinding>& list, const Plan& plan,

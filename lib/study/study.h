@@ -24,7 +24,8 @@ struct MethodFinding {
   std::vector<Interval> quantities;  // [quantity]; a mean that is NaN: not known
 };
 
-// Geometric means over the scenes, which are taken as given, of a method that all of them have.
+// Means over the scenes, which are taken as given, of a method that all of them have: geometric of
+// errors and times.
 struct OverallFinding {
   // To the baseline, and on how many scenes it is better and worse.
   struct AgainstBaseline {

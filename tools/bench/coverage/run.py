@@ -113,11 +113,13 @@ def rows_of(folders):
     return rows
 
 
-def coverage(values):
-    """(intervals, those that hold the geometric mean of the others, those wholly below it); none where most are withheld."""
-    logs = [[math.log(v) if v > 0 else -math.inf for v in value] for value in values if value and value[0] > 0]
-    means = [value[0] for value in logs]
-    found = [(low, (sum(means) - mean) / (len(means) - 1), high) for mean, low, high in (v for v in logs if len(v) == 3)]
+def coverage(row, values):
+    """(intervals, those that hold the mean of the others, of errors the geometric one, those wholly below it); none where most are withheld."""
+    known = [value for value in values if value and value[0] > 0]
+    if row[0] != "energy_ratio":
+        known = [[math.log(v) if v > 0 else -math.inf for v in value] for value in known]
+    means = [value[0] for value in known]
+    found = [(low, (sum(means) - mean) / (len(means) - 1), high) for mean, low, high in (v for v in known if len(v) == 3)]
     if 2 * len(found) <= len(values):
         return 0, 0, 0
     return len(found), sum(low <= truth <= high for low, truth, high in found), sum(high < truth for _, truth, high in found)
@@ -132,7 +134,7 @@ def claims(folders, metric):
 def measure(name, folder):
     scene = SCENES[name]
     pairs = [evaluated(scene, number, folder) for number in range(scene.count)]
-    now, before = ({row: coverage(values) for row, values in rows_of(side).items()} for side in zip(*pairs))
+    now, before = ({row: coverage(row, values) for row, values in rows_of(side).items()} for side in zip(*pairs))
     selves = {f"itself_{metric}{end}": claims([pair[side] for pair in pairs], metric)
               for side, end in ((0, ""), (1, "_without")) for metric in ("mse", "relmse")}
     page.keep(name, {"side": scene.side, "samples": scene.samples, "recordings": scene.count, "measured": datetime.date.today().isoformat(),
