@@ -170,16 +170,33 @@ Interval baseline_ratio(const Condition& condition, const std::vector<MethodResu
               : withheld_ratio(methods[method], methods[*condition.baseline], condition.metric);
 }
 
-std::optional<std::size_t> baseline_of(const Plan& plan,
-                                       const std::vector<MethodResults>& methods) {
-  for (std::size_t m = 0; m < methods.size(); ++m) {
-    const bool named = methods[m].name() == plan.baseline;
-    if (plan.baseline.empty() ? methods[m].sampler.name == kBaselineSampler &&
-                                    methods[m].filter.name == kBaselineFilter
-                              : named)
-      return m;
+namespace {
+
+std::string asked_baseline(const Plan& plan) {
+  return plan.baseline.empty() ? std::string(kBaseline) : plan.baseline;
+}
+
+}  // namespace
+
+std::optional<std::size_t> baseline_of(const Plan& plan) {
+  const std::string asked = asked_baseline(plan);
+  std::vector<std::size_t> bare;
+  for (std::size_t s = 0; s < plan.samplers.size(); ++s) {
+    for (std::size_t f = 0; f < plan.filters.size(); ++f) {
+      const MethodChoice &sampler = plan.samplers[s], &filter = plan.filters[f];
+      const std::size_t method = s * plan.filters.size() + f;
+      if (sampler.label() + " + " + filter.label() == asked) return method;
+      if (sampler.name + " + " + filter.name == asked) bare.push_back(method);
+    }
   }
-  return std::nullopt;
+  return bare.size() == 1 ? std::optional(bare.front()) : std::nullopt;
+}
+
+std::string baseline_name(const Plan& plan) {
+  const std::optional<std::size_t> method = baseline_of(plan);
+  if (!method) return asked_baseline(plan);
+  return plan.samplers[*method / plan.filters.size()].label() + " + " +
+         plan.filters[*method % plan.filters.size()].label();
 }
 
 std::optional<Condition> rank_condition(const Plan& plan, const std::vector<MethodResults>& methods,
@@ -199,7 +216,7 @@ std::optional<Condition> rank_condition(const Plan& plan, const std::vector<Meth
   if (!any) return std::nullopt;
   RankOptions options;
   options.range = quantities()[quantity].range;
-  options.baseline = baseline_of(plan, methods);
+  options.baseline = baseline_of(plan);
   options.left_out = std::move(outside);
   return Condition{metric, spp, rank_methods(series, better_of(metric), options), options.baseline};
 }

@@ -20,12 +20,14 @@ struct Condition {
   std::optional<std::size_t> baseline;
 };
 
-// The pair of methods that every other is compared with: the same number of samples everywhere, and
-// their mean.
-inline constexpr std::string_view kBaselineSampler = "uniform";
-inline constexpr std::string_view kBaselineFilter = "box";
-// The plan's, else that pair, where it is among the methods.
-std::optional<std::size_t> baseline_of(const Plan& plan, const std::vector<MethodResults>& methods);
+// What every other method is compared with where the plan names none: the same number of samples
+// everywhere, and their mean.
+inline constexpr std::string_view kBaseline = "uniform + box";
+// Of the methods, in the order samplers, then filters: the one whose name, by its labels, is the
+// baseline's; else the only one whose name is, without presets, options and labels.
+std::optional<std::size_t> baseline_of(const Plan& plan);
+// Of that method; what was asked for, where there is none.
+std::string baseline_name(const Plan& plan);
 
 // None where no method has a value.
 std::optional<Condition> rank_condition(const Plan& plan, const std::vector<MethodResults>& methods,

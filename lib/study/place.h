@@ -19,6 +19,8 @@ struct StudyPlace {
 // By their labels.
 struct MethodPair {
   std::string sampler, filter;
+
+  std::string name() const { return sampler + " + " + filter; }
 };
 
 }  // namespace spool

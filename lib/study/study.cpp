@@ -104,7 +104,7 @@ class SceneStudy {
   }
 
   void add_curves(std::vector<CurveFinding>& list) const {
-    const std::optional<std::size_t> baseline = baseline_of(plan_, budgets_.front());
+    const std::optional<std::size_t> baseline = baseline_of(plan_);
     for (std::size_t m = 0; m < budgets_.front().size(); ++m) {
       for (const char* metric : {"relmse", "mse"}) {
         auto curve = curve_finding(plan_.spp, budgets_, m, baseline, metric);
@@ -183,8 +183,7 @@ void add_overall(std::vector<OverallFinding>& list, const Plan& plan,
 
 Study study_of(const Plan& plan, const StudySources& sources) {
   Study study;
-  study.baseline = plan.baseline.empty() ? fmt::format("{} + {}", kBaselineSampler, kBaselineFilter)
-                                         : plan.baseline;
+  study.baseline = baseline_name(plan);
   study.scenes = scenes_of(plan);
   std::vector<PlaceClaims> places;
   // A plan may have more results than fit into memory: a scene at a time.

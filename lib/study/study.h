@@ -41,7 +41,7 @@ struct OverallFinding {
 };
 
 struct Study {
-  std::string baseline;  // "SAMPLER + FILTER"
+  std::string baseline;  // baseline_name()
   std::vector<PlanScene> scenes;
   std::vector<ClaimFinding> claims;
   std::vector<MethodFinding> results;        // per scene, budget, threads and method

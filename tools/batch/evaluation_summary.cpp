@@ -61,7 +61,8 @@ ShownResults best_of_each(const ShownResults& results, const std::string& baseli
   std::map<StudyPlace, std::size_t> taken;
   ShownResults best;
   for (const RankedResult& result : results) {
-    const bool among = ++taken[result.place()] <= kBestShown || shown_method(result) == baseline;
+    const bool among =
+        ++taken[result.place()] <= kBestShown || result.result->methods.name() == baseline;
     if (among && best.size() < kLongestTable) best.push_back(result);
   }
   return best;
@@ -85,11 +86,11 @@ Rows short_rows(const Study& study, const ShownResults& shown, bool ratio_interv
                     threads ? fmt::format(", {} threads", place.threads) : "");
     if (heading != last) rows.push_back({heading});
     last = heading;
-    const std::string name = shown_method(result);
+    const bool is_baseline = result.result->methods.name() == study.baseline;
     std::string ratio = baseline_ratio(result.relmse);
     if (!ratio_intervals) ratio.resize(std::min(ratio.find(' '), ratio.size()));
-    rows.push_back({"  " + name, value_text(result.quantity("relmse"), "{:.3g}"), ratio,
-                    name == study.baseline ? "(baseline)" : verdict_text(result.relmse)});
+    rows.push_back({"  " + shown_method(result), value_text(result.quantity("relmse"), "{:.3g}"),
+                    ratio, is_baseline ? "(baseline)" : verdict_text(result.relmse)});
   }
   return rows;
 }
@@ -171,8 +172,9 @@ std::string judged_text(const std::string& reference, bool biased) {
 // What stands below the table.
 std::string remarks_text(const Study& study, const ShownResults& shown, const ShownResults& all,
                          bool wide) {
-  const bool compared = std::ranges::any_of(
-      all, [&](const RankedResult& result) { return shown_method(result) == study.baseline; });
+  const bool compared = std::ranges::any_of(all, [&](const RankedResult& result) {
+    return result.result->methods.name() == study.baseline;
+  });
   std::string text = fmt::format(
       "Mean [95 % interval], best first; {}. Verdicts: all pairs of a recording and budget "
       "together at 5 %.{}\n",
