@@ -19,7 +19,7 @@ std::string_view withheld_remedy(Withheld withheld) {
     case Withheld::kNo:
       return "";
     case Withheld::kFewPixels:
-      return "record the scene three times or more, or compare relmse_trimmed";
+      return "record the scene three times or more";
     case Withheld::kReferenceNoise:
       return "record a longer reference, or compare mse";
   }

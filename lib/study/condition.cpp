@@ -27,9 +27,11 @@ std::vector<bool> outside_band(const Plan& plan, const std::vector<MethodResults
 About about(const Plan& plan, const PlanScene& scene, const std::vector<MethodResults>& methods) {
   double shared = 0.0;
   bool known = true, one_image = true, measured = true;
+  std::size_t given = scene.recordings.size();  // with results
   for (const MethodResults& method : methods) {
     if (method.done == 0) continue;
     shared = std::max(shared, method.shared);
+    given = std::min(given, method.with_results.size());
     known = known && method.shared_known;
     measured = measured && (!method.spread.empty() || method.one_image());
     one_image = one_image && method.one_image();
@@ -46,7 +48,7 @@ About about(const Plan& plan, const PlanScene& scene, const std::vector<MethodRe
         "one image",
         "these images: one replicate, intervals from blocks of pixels, nothing is compared");
   }
-  if (const std::size_t given = scene.recordings.size(); given > 1) {
+  if (given > 1) {
     const bool own = given >= static_cast<std::size_t>(kOwnSpread);
     return said("recordings",
                 fmt::format("another recording of the scene, of which {} were given{}", given,
@@ -84,8 +86,7 @@ std::vector<PairFinding> pairs_of(const Condition& condition) {
   const Places places{condition.ranking.methods};
   std::vector<PairFinding> list;
   for (const PairVerdict& pair : condition.ranking.pairs)
-    list.push_back(
-        {places.of(pair.a), places.of(pair.b), pair.comparison.ratio(), pair.p, pair.verdict});
+    list.push_back({places.of(pair.a), places.of(pair.b), pair.ratio, pair.p, pair.verdict});
   return list;
 }
 
@@ -93,10 +94,8 @@ std::optional<WouldDecide> would_decide(const PairVerdict& pair, const MethodRes
                                         double spp) {
   constexpr double kMost = 10000.0;
   // The level that the family leaves to this pair.
-  const double level = 0.05 * pair.comparison.p / pair.p;
-  if (!(level > 0.0)) return std::nullopt;
-  const MoreNeeded more = more_needed(pair.comparison, method.recordings, level);
-  const double reach = method.recordings * method.taken.recorded / spp;
+  const MoreNeeded more = more_needed(pair.comparison, method.given(), 0.05 / pair.factor);
+  const double reach = method.given() * method.taken.recorded / spp;
   if (more.replicates <= std::min(kMost, reach)) return WouldDecide{more.replicates, false};
   if (more.recordings <= kMost) return WouldDecide{more.recordings, true};
   return std::nullopt;
@@ -142,7 +141,7 @@ RankedFinding ranked_finding(const Plan& plan, const std::vector<MethodResults>&
 
 // Of `method` to the other of the pair; nothing where errors were not compared by logarithms.
 Interval ratio_of(const PairVerdict& pair, std::size_t method) {
-  Interval ratio = pair.comparison.ratio();
+  Interval ratio = pair.ratio;
   if (pair.a == method) return ratio;
   ratio.mean = 1.0 / ratio.mean;
   std::swap(ratio.low, ratio.high);

@@ -105,7 +105,7 @@ void add_record(MethodResults& method, const Result<ResultRecord>& found) {
     }
     method.pixel_blocks = blocks_of(*found);
   }
-  for (const MetricHalves& halves : found->halves)
+  for (const MetricHalves& halves : found->halves) {
     method.spread[halves.metric].halves.push_back(halves.difference);
     method.spread[halves.metric].halves.back().replicate =
         static_cast<int>(method.values.front().size()) - 1;
@@ -130,18 +130,18 @@ void add_shared(MethodResults& method, const Plan& plan, const ReplicatePairs& p
   const auto shared_of = [&](const TakenSamples& taken) {
     const Shared shared =
         shared_by_replicates(taken, pairs, ring ? Taking::kOneAround : Taking::kOwnOrder);
-    return Shared{over_recordings(shared.samples, plan.replicates, method.recordings),
-                  over_recordings(shared.correlation, plan.replicates, method.recordings)};
+    return Shared{over_recordings(shared.samples, plan.replicates, method.given()),
+                  over_recordings(shared.correlation, plan.replicates, method.given())};
   };
   method.taken = shares.taken(spp);
   const Shared shared = shared_of(method.taken);
   method.shared = shared.samples;
   method.correlation = shared.correlation;
+  const double half = 0.5 * method.taken.recorded;  // fresh samples are of a ring of so many
+  method.fresh_correlation = shared_of({method.taken.counts, half, 1.0}).correlation;
   for (auto& [metric, spread] : method.spread) {
-    // A half is a ring of half as many samples.
-    const double ring_length = metric.ends_with("_fresh") ? 0.5 : 1.0;
-    const Shared of_halves = shared_of(
-        {varying_counts(spread.halves), ring_length * method.taken.recorded, method.taken.rare});
+    const double around = metric.ends_with("_fresh") ? half : method.taken.recorded;
+    const Shared of_halves = shared_of({varying_counts(spread.halves), around, method.taken.rare});
     spread.correlation = is_linear(metric) ? of_halves.samples : of_halves.correlation;
   }
 }
@@ -172,15 +172,17 @@ double MethodResults::mean(std::size_t quantity) const {
 
 Withheld MethodResults::withheld(const std::string& metric) const {
   const bool relative = metric.starts_with("relmse");
-  if ((metric != "mse" && !relative) || one_image()) return Withheld::kNo;
+  const bool squared = relative || metric.starts_with("mse") || metric == "rmse";
+  if (!squared || one_image()) return Withheld::kNo;
+  const std::string whole = relative ? "relmse" : "mse";
+  if (metric != whole && withheld(whole) == Withheld::kFewPixels) return Withheld::kFewPixels;
   ErrorStanding standing;
-  if (metric == "mse" || metric == "relmse")
-    standing.half_pixels = mean(quantity_index(metric + "_half_pixels"));
+  standing.half_pixels = mean(quantity_index(whole + "_half_pixels"));
   const auto measured = spread.find(metric);
   const double common = measured == spread.end() ? correlation : measured->second.correlation;
   standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(common, 1.0));
   standing.halves = measured != spread.end();
-  standing.own_spread = recordings >= kOwnSpread;
+  standing.own_spread = given() >= kOwnSpread;
   if (relative) standing.reference_noise = mean(quantity_index("relmse_reference_noise"));
   return withheld_of(standing);
 }
@@ -207,7 +209,7 @@ Series MethodResults::series(std::size_t quantity) const {
 Series MethodResults::fresh_series(const std::string& metric) const {
   const auto values_of = fresh.find(metric);
   if (values_of == fresh.end()) return {};
-  Series series{values_of->second, 0.0};
+  Series series{values_of->second, fresh_correlation};
   series.recordings = recordings;
   series.withheld = withheld(metric);
   const auto measured = spread.find(metric + "_fresh");
@@ -249,9 +251,12 @@ SceneMethods read_scene(const Plan& plan, const PlanScene& scene, const StudySou
       const CellPlace at = cells.place(i);
       const std::size_t m = at.sampler * filters + at.filter;
       const Result<ResultRecord> record = sources.read(cells.cell(i));
-      if (record && !record->failed())
+      MethodResults& method = found[at.threads][at.spp][m];
+      if (record && !record->failed()) {
         shares_of(at.threads, at.spp, m).add(*record, plan.recordings[d]);
-      add_record(found[at.threads][at.spp][m], record);
+        method.with_results.insert(d);
+      }
+      add_record(method, record);
     }
   }
   const ReplicatePairs pairs = pairs_of(plan.replicates);

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct MethodResults {
   std::vector<double> pixel_errors;         // [quantity] of replicate 0, from blocks of pixels
   int pixel_blocks = 0;                     // that they are made of
   int recordings = 1;                       // of the scene: as many replicates of each
+  std::set<std::size_t> with_results;       // those of the plan's that gave any
   int done = 0, failed = 0;
   bool biased = false;
   bool shared_machine = false;  // wall times are of one that other results shared
@@ -40,6 +42,9 @@ struct MethodResults {
   TakenSamples taken;
   double shared = 0;       // share of a replicate's samples that another took too
   double correlation = 0;  // of the replicates of a metric (shared_samples.h)
+  // The same of fresh samples where halves do not measure it, with crossfit: replicates share what
+  // judges them, too, so that errors are alike by their share of samples and not by its square.
+  double fresh_correlation = 0;
   // By metric, where it was measured: the differences of halves, and the correlation that follows.
   struct Spread {
     std::vector<HalfDifference> halves;
@@ -51,8 +56,10 @@ struct MethodResults {
   bool shared_known = true;  // false: the size of the recording is not known
 
   std::string name() const { return sampler.label() + " + " + filter.label(); }
+  int given() const { return static_cast<int>(with_results.size()); }  // recordings
   double mean(std::size_t quantity) const;
-  // mse, and relmse in all its forms; another metric is never withheld.
+  // mse and relmse in all their forms; another metric is never withheld. A form stands on the same
+  // few pixels: one that leaves the worst out has others in the next recording.
   Withheld withheld(const std::string& metric) const;
   Series series(std::size_t quantity) const;
   // Each value is the mean of two images of half of the recording.
