@@ -43,7 +43,7 @@ PlaceClaims claims_at(const Plan& plan, const StudyPlace& place, std::size_t bud
     below.push_back(claim.below);
   }
   const std::vector<JudgedClaim> judged = judge_claims(comparisons, below);
-  PlaceClaims found{place, {}};
+  PlaceClaims found{place, {}, std::ranges::any_of(with(place.threads), &MethodResults::biased)};
   auto next = judged.begin();
   for (const Claim& claim : plan.claims)
     found.judged.push_back(claim.asks(place.spp, place.threads) ? std::optional(*next++)
@@ -59,7 +59,7 @@ std::vector<ClaimFinding> claim_findings(const Plan& plan, const std::vector<Pla
     std::vector<ClaimVerdict> verdicts;
     for (const PlaceClaims& place : places) {
       if (!place.judged[c]) continue;
-      finding.places.push_back({place.place, *place.judged[c]});
+      finding.places.push_back({place.place, *place.judged[c], place.biased});
       verdicts.push_back(place.judged[c]->verdict);
     }
     finding.verdict = verdict_over(verdicts);

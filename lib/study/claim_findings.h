@@ -14,6 +14,7 @@ namespace spool {
 struct PlaceClaims {
   StudyPlace place;
   std::vector<std::optional<JudgedClaim>> judged;  // [claim of the plan]; none: it does not ask
+  bool biased = false;                             // a method of it
 };
 PlaceClaims claims_at(const Plan& plan, const StudyPlace& place, std::size_t budget,
                       const SceneMethods& methods);
@@ -23,6 +24,7 @@ struct ClaimFinding {
   struct At {
     StudyPlace place;
     JudgedClaim judged;
+    bool biased = false;  // judged by what favours one of the two
   };
   Claim claim;
   ClaimVerdict verdict = ClaimVerdict::kUnknown;

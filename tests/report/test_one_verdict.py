@@ -117,8 +117,11 @@ def test_the_terminal_says_it(evaluated):
                 assert found == words
                 checked += 1
     assert checked >= 10
-    listed = json.loads(run("evaluate", "--statistics-only", folder, "--json"))
-    for condition in read(folder)["conditions"]:
+    answer, kept = json.loads(run("evaluate", "--statistics-only", folder, "--json")), read(folder)
+    listed = answer["results"]
+    assert answer["claims"] == kept["claims"] and answer["baseline"] == kept["baseline"]
+    assert [about["text"] for about in answer["about"]] == [c["about"]["text"] for c in kept["conditions"] if "pairs" in c]
+    for condition in kept["conditions"]:
         for entry in condition["ranking"]:
             if condition["metric"] in ("mse", "relmse"):
                 one = next(x for x in listed if (x["dump"], x["spp"], name_of(x)) ==
@@ -126,7 +129,7 @@ def test_the_terminal_says_it(evaluated):
                 ranks = one["ranks"][condition["metric"]]
                 assert ranks["letters"] == entry["letters"]
                 assert ranks.get("against_baseline") == entry.get("against_baseline")
-                assert ranks.get("withheld") == entry.get("withheld")
+                assert [ranks.get(why) for why in ("withheld", "baseline_withheld")] == [entry.get(why) for why in ("withheld", "baseline_withheld")]
 
 
 def test_claims_are_the_same_everywhere(evaluated):

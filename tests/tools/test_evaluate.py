@@ -68,7 +68,7 @@ def student_within(reach, freedom):
 
 def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     result = good("evaluate", dump, "--filters", "box,gaussian", "--spp", 4, "-o", "out", "--json").json
-    by_filter = {entry["filter"]: entry for entry in result}
+    by_filter = {entry["filter"]: entry for entry in result["results"]}
     mean, low, high = by_filter["box"]["quantities"]["mse"]
     ratio = by_filter["gaussian"]["ranks"]["mse"]["ratio"]
     assert np.isclose(ratio[0], by_filter["gaussian"]["quantities"]["mse"][0] / mean)

@@ -335,7 +335,7 @@ def test_replicates_of_an_image_claim_no_exactness(good, dump, tmp_path):
     box, image = (next(line for line in table.splitlines() if f" {name} " in line) for name in ("box", "image:mine.exr"))
     assert "uniform" in box and "better" not in image and "worse" not in image
     assert "one image" in table and "--recorded-order" in table
-    entries = {e["filter"]: e for e in good(*arguments, "-o", "json", "--json").json}
+    entries = {e["filter"]: e for e in good(*arguments, "-o", "json", "--json").json["results"]}
     assert entries["image:mine.exr"]["one_image"] and not entries["box"]["one_image"]
     assert entries["image:mine.exr"]["ranks"]["relmse"]["against_baseline"] == "not compared"
     assert "nothing is compared" in good(*arguments, "-o", "one", "--replicates", 1, "--recorded-order").out

@@ -76,7 +76,7 @@ label = "ours"
 
 def test_labels_name_methods_in_tables_pictures_and_reports(good, plan, tmp_path):
     plan.write_text(LABELLED)
-    table = good("evaluate", plan, "-o", "out", "--json").json
+    table = good("evaluate", plan, "-o", "out", "--json").json["results"]
     rows = rows_of(tmp_path / "out")
     assert {r["sampler"] for r in rows} == {"uniform", "swept{alpha=0.3}", "swept{alpha=0.5}"}
     assert {r["filter"] for r in rows} == {e["filter"] for e in table} == {"box", "ours"}

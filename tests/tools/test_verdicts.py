@@ -45,13 +45,22 @@ def test_an_error_of_one_pixel_has_no_verdict_until_three_recordings_show_it(goo
             assert entry["withheld"] == "few pixels" and len(entry["value"]) == 1 and not entry["compared"]
     results = [r for r in statistics["results"] if r["filter"] == "box"]
     assert all(r["quantities"]["mse_half_pixels"][0] <= 2 and r["quantities"]["mse_worst_share"][0] > 0.5 for r in results)
-    assert all("relmse_trimmed" in r["quantities"] and len(r["quantities"]["relmse_trimmed"]) == 3 for r in results)
+    assert all(len(r["quantities"][metric]) == 1 for r in results for metric in ("mse_r", "rmse"))
     assert "No verdict on MSE (few pixels)" in text and "three times" in text and "Few pixels: " in text
     group = "\n".join(f'[[dump]]\nfile = "lamp{n}.spool"\ngroup = "lamp"' for n in range(3))
     statistics, text = evaluate(good, tmp_path, PLAN + group, "group")
     for condition in conditions(statistics, "mse"):
         assert condition["about"]["kind"] == "recordings" and "spread between these" in condition["about"]["text"]
         assert all("withheld" not in e and len(e["value"]) == 3 for e in condition["ranking"])
+    # Of the third nothing is there yet.
+    partial = tmp_path / "partial"
+    partial.mkdir()
+    shutil.copy(tmp_path / "group" / "plan.toml", partial)
+    lines = (tmp_path / "group" / "results.jsonl").read_text().splitlines(keepends=True)
+    (partial / "kept.jsonl").write_text("".join(line for line in lines if json.loads(line)["dump"] != "lamp2"))
+    good("evaluate", "--statistics-only", partial)
+    for condition in conditions(json.loads((partial / "statistics.json").read_text()), "mse"):
+        assert "2 were given" in condition["about"]["text"] and "spread between these" not in condition["about"]["text"]
     # Student's interval of three numbers, the means of the recordings' logarithms.
     rows = [json.loads(line) for line in (tmp_path / "group" / "results.jsonl").read_text().splitlines()]
     for result in statistics["results"]:
@@ -61,6 +70,24 @@ def test_an_error_of_one_pixel_has_no_verdict_until_three_recordings_show_it(goo
         mean, low, high = np.log(result["quantities"]["mse"])
         assert np.isclose(mean, means.mean())
         assert np.isclose((high - low) / 2, 4.30265273 * means.std(ddof=1) / np.sqrt(3), rtol=1e-6)
+
+
+def test_what_is_trimmed_of_an_error_of_few_pixels_has_no_verdict(good, tmp_path):
+    """One pixel is bright where its reference is dark; without it the error stands on the pixels that the next recording has instead."""
+    radiance, mean = samples(seed=1)
+    radiance[5, 5] += np.float32(100) * radiance[5, 5]
+    reference = np.repeat(mean[:, :, None], 3, axis=2).astype("<f4")
+    write_dump(tmp_path / "dark.spool", radiance, reference=reference, reference_variance=0 * reference)
+    plan = 'recordings = ["dark.spool"]\n' + PLAN.replace("replicates = 4", "replicates = 2")
+    statistics, text = evaluate(good, tmp_path, plan, "out", "--wide")
+    box = [r["quantities"] for r in statistics["results"] if r["filter"] == "box"]
+    for metric in ("relmse", "relmse_trimmed", "relmse_g", "relmse_plain", "smape"):
+        assert {len(quantities[metric]) for quantities in box} == {3 if metric == "smape" else 1}, metric
+    for metric in ("relmse", "relmse_trimmed"):
+        entries = [e for c in conditions(statistics, metric) for e in c["ranking"] if e["filter"] == "box"]
+        assert len(entries) == 2 and all(e["withheld"] == "few pixels" and len(e["value"]) == 1 and not e["compared"] for e in entries), metric
+    assert all("withheld" not in e for c in conditions(statistics, "smape") for e in c["ranking"])
+    assert "No verdict on relMSE (few pixels)" in text and "record the scene three times or more.\n" in text
 
 
 def test_a_noisy_reference_withholds_relmse_and_not_mse(good, tmp_path):
@@ -97,6 +124,66 @@ def test_the_baseline_is_the_plans(good, run, tmp_path, dump):
     run("evaluate", "wrong.toml", "-o", "w").failed_with(2, "wrong.toml:1", "uniform + gaussian")
     run("evaluate", dump, "--spp", 2, "--baseline", "unifrm + box", "-o", "w").failed_with(2, "--baseline", "uniform + box")
     run("evaluate", "out.toml", "--baseline", "uniform + box", "-o", "w").failed_with(2, "--baseline", "the plan")
+
+
+def test_the_baseline_is_the_method_of_that_name_and_not_the_first_like_it(good, tmp_path, dump):
+    evaluated = ("evaluate", dump, "--spp", 4, "--no-pictures", "-o", "out", "--force")
+    for filters, baseline in (("box{clamp=on},box,gaussian", "uniform + box"), ("box{clamp=on},gaussian", "uniform + box{clamp=on}")):
+        text = good(*evaluated, "--filters", filters).out
+        lines = [line.split("  ")[1] for line in text.splitlines() if line.endswith("(baseline)")]
+        assert lines == [baseline] and f"ratio to {baseline} at" in text
+        assert json.loads((tmp_path / "out" / "statistics.json").read_text())["baseline"] == baseline
+    text = good(*evaluated, "--filters", "box", "--samplers", "ref=uniform,multiscale").out
+    assert "ratio to ref + box at" in text and text.count("(baseline)") == 1
+    text = good(*evaluated, "--filters", "box{clamp=on},box{energy=box}").out
+    assert "no ratio without a baseline" in text and "(baseline)" not in text
+    text = good(*evaluated, "--filters", "box", "--samplers", "uniform,mitchell", "--baseline", "mitchell + box").out
+    assert "ratio to mitchell + box at" in text and text.count("(baseline)") == 1
+
+
+def test_energy_is_the_mean_of_the_images(good, tmp_path):
+    """One of 16 samples is bright: each of eight replicates has it or has it not, and no light is lost."""
+    made(tmp_path / "lamp.spool", 1, 1e4)
+    statistics, text = evaluate(good, tmp_path, 'recordings = ["lamp.spool"]\n' + PLAN.replace("[2, 4]", "[2]").replace("replicates = 4", "replicates = 8"))
+    rows = [json.loads(line) for line in (tmp_path / "out" / "results.jsonl").read_text().splitlines()]
+    box = next(r for r in statistics["results"] if r["filter"] == "box")
+    mean, low, high = box["quantities"]["energy_ratio"]
+    energies = [r["energy_ratio"] for r in rows if r["filter"] == "box"]
+    assert mean == pytest.approx(np.mean(energies)) == pytest.approx(1, abs=0.1)
+    assert np.exp(np.mean(np.log(energies))) < 0.8 and high - mean == pytest.approx(mean - low)
+    assert "Light is lost" not in text and not [e for c in statistics["conditions"] for e in c["ranking"] if "loses_energy" in e]
+
+
+def test_energies_have_a_mean_over_scenes(good, tmp_path):
+    for name, seed in (("a", 1), ("b", 2)):
+        made(tmp_path / f"{name}.spool", seed)
+    statistics, _ = evaluate(good, tmp_path, 'recordings = ["a.spool", "b.spool"]\n' + PLAN)
+    for overall in statistics["overall"]:
+        alone = [r["quantities"]["energy_ratio"][0] for r in statistics["results"] if (r["filter"], r["spp"]) == (overall["filter"], overall["spp"])]
+        assert overall["quantities"]["energy_ratio"][0] == pytest.approx(np.mean(alone), rel=1e-12)
+
+
+def test_fresh_samples_of_crossfit_are_widened_by_what_replicates_share(good, tmp_path, dump):
+    """A fresh image takes `spp` of a quarter of the 16 samples: halves of two, all of four."""
+    claim = '[[claim]]\ntext = "blur"\nbetter = "uniform + gaussian"\nthan = "uniform + box"\nmetric = "mse"\nsamples = "fresh"\n'
+    plan = f'recordings = ["{dump.name}"]\nreference = "crossfit"\nfresh = true\n' + PLAN.replace("replicates = 4", "replicates = 8") + claim
+    statistics, _ = evaluate(good, tmp_path, plan)
+    half, whole = statistics["claims"][0]["places"]
+    rows = [json.loads(line) for line in (tmp_path / "out" / "results.jsonl").read_text().splitlines()]
+    logs = {f: np.log([r["mse_fresh"] for r in rows if (r["filter"], r["spp"]) == (f, 2)]) for f in ("box", "gaussian")}
+    student = 2.36462425 * np.std(logs["gaussian"] - logs["box"], ddof=1) / np.sqrt(8)
+    mean, low, high = np.log(half["ratio"])
+    assert high - mean > 1.5 * student
+    assert whole["verdict"] == "undecided" and len(whole["ratio"]) == 1
+
+
+def test_a_claim_says_why_it_is_not_compared_and_what_favours_a_method(good, tmp_path, dump, lamps):
+    claim = '[[claim]]\ntext = "blur"\nbetter = "uniform + gaussian"\nthan = "uniform + box"\nmetric = "mse"\n'
+    _, text = evaluate(good, tmp_path, 'halves = false\nrecordings = ["lamp0.spool"]\n' + PLAN + claim)
+    assert "lamp0 2 spp: not compared (few pixels)" in text
+    for name, reference in (("pool", 'reference = "pool"\n'), ("independent", "")):
+        statistics, _ = evaluate(good, tmp_path, reference + f'recordings = ["{dump.name}"]\n' + PLAN + claim, name)
+        assert {p["biased"] for p in statistics["claims"][0]["places"]} == {name == "pool"}
 
 
 def test_errors_at_equal_time_are_read_between_the_budgets(good, tmp_path, dump):

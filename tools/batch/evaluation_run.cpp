@@ -62,7 +62,7 @@ Result<void> write_study(const fs::path& folder, Study study, const CommonOption
   if (study.results.empty()) return nothing_finished(folder, store);
   mark_late_claims(folder, study.claims);
   SPOOL_TRY(write_statistics_file(folder / "statistics.json", study));
-  if (common.json) print(results_text(ranked_results(study)));
+  if (common.json) print(study_text(study));
   if (!common.json && !common.quiet) print(summary_text(study, wide));
   return {};
 }

@@ -21,18 +21,23 @@ constexpr std::size_t kBestShown = 5;
 
 using Rows = std::vector<std::vector<std::string>>;
 
+std::string withheld_text(Withheld withheld) {
+  return withheld == Withheld::kNo ? "" : fmt::format(" ({})", withheld_name(withheld));
+}
+
 std::string claims_text(const std::vector<ClaimFinding>& claims) {
   std::string text;
   for (const ClaimFinding& finding : claims) {
     text += fmt::format("claim: {}: {}{}\n", visible_text(finding.claim.text),
                         claim_verdict_name(finding.verdict),
                         finding.after_results ? " (added after results)" : "");
-    for (const auto& [place, judged] : finding.places) {
+    for (const auto& [place, judged, biased] : finding.places) {
       const Interval ratio = judged.comparison.ratio();
       const bool known = std::isfinite(ratio.low) && std::isfinite(ratio.high);
-      text += fmt::format("  {} {:g} spp: {}{}\n", visible_text(shown_scene(place)), place.spp,
-                          claim_verdict_name(judged.verdict),
-                          known ? " " + value_text(ratio, "{:.3g}") : "");
+      text +=
+          fmt::format("  {} {:g} spp: {}{}\n", visible_text(shown_scene(place)), place.spp,
+                      claim_verdict_name(judged.verdict),
+                      known ? " " + ratio_text(ratio) : withheld_text(judged.comparison.withheld));
     }
   }
   return text.empty() ? text : text + "\n";

@@ -21,8 +21,8 @@ constexpr const char* kClaims = "claims.json";
 
 const char* const kRules[][2] = {
     {"mean",
-     "Over the replicates; geometric where every value is positive, so that quotients of means are "
-     "means of quotients."},
+     "Over the replicates; of errors and times geometric where every value is positive, so that "
+     "quotients of means are means of quotients."},
     {"interval",
      "An interval at 95 % says where the mean of another recording of the scene would lie; each "
      "is computed for itself. It is Student's, of the logarithms where the mean is geometric, and "
@@ -31,9 +31,10 @@ const char* const kRules[][2] = {
      "`order_low` and `order_high`, where given, are about this recording in another order of its "
      "samples, and about nothing else."},
     {"verdict",
-     "Methods are compared replicate by replicate on the logarithms of their errors. Verdicts are "
-     "Holm's, at 5 % for all pairs of a scene, budget and metric together. Methods that share a "
-     "letter are not separated."},
+     "Methods are compared replicate by replicate on the logarithms of their errors, or, where an "
+     "error of one of them is not positive, on all errors as they are; they are listed by the "
+     "means on that scale. Verdicts are Holm's, at 5 % for all pairs of a scene, budget and metric "
+     "together. Methods that share a letter are not separated."},
     {"claim",
      "A question of the plan: the ratio of two errors lies below its limit. The claims of a scene "
      "and budget together at 5 % (Holm), apart from the pairs. Over several places: holds where "
@@ -122,13 +123,15 @@ ordered_json ranked_json(const Study& study, const RankedFinding& ranked) {
   return entry;
 }
 
+ordered_json about_json(const About& about) {
+  return {{"kind", about.kind}, {"shared", about.shared}, {"text", about.text}};
+}
+
 ordered_json condition_json(const Study& study, const ConditionFinding& condition) {
   ordered_json entry = place_json(condition.place);
   entry["metric"] = condition.metric;
   entry["biased"] = condition.biased;
-  entry["about"] = {{"kind", condition.about.kind},
-                    {"shared", condition.about.shared},
-                    {"text", condition.about.text}};
+  entry["about"] = about_json(condition.about);
   entry["ranking"] = ordered_json::array();
   for (const RankedFinding& ranked : condition.ranking)
     entry["ranking"].push_back(ranked_json(study, ranked));
@@ -197,6 +200,7 @@ ordered_json claim_place_json(const ClaimFinding::At& at, bool fresh) {
   entry["ratio"] = interval_json(comparison.ratio());
   entry["p"] = json_number(at.judged.p);
   entry["replicates"] = comparison.n;
+  entry["biased"] = at.biased;
   if (!comparison.logarithmic && comparison.known())
     entry["difference"] = {comparison.difference, comparison.low, comparison.high};
   if (comparison.withheld != Withheld::kNo) entry["withheld"] = withheld_name(comparison.withheld);
@@ -240,6 +244,8 @@ ordered_json ranks_json(const RankedFinding& ranked) {
   if (ranked.against_best) entry["against_best"] = verdict_name(*ranked.against_best);
   if (ranked.would_decide) entry["would_decide"] = would_decide_json(*ranked.would_decide);
   if (ranked.withheld != Withheld::kNo) entry["withheld"] = withheld_name(ranked.withheld);
+  if (ranked.baseline_withheld != Withheld::kNo)
+    entry["baseline_withheld"] = withheld_name(ranked.baseline_withheld);
   return entry;
 }
 
@@ -295,9 +301,19 @@ void write_statistics(std::ostream& out, const Study& study) {
   out << ",\n \"baseline\": " << indented(study.baseline, 1) << "\n}\n";
 }
 
-std::string results_text(const std::vector<RankedResult>& results) {
-  ordered_json list = ordered_json::array();
-  for (const RankedResult& ranked : results) {
+std::string study_text(const Study& study) {
+  ordered_json shown = {{"baseline", study.baseline}};
+  for (const char* list : {"claims", "about", "results"})
+    shown[list] = ordered_json::array();
+  for (const ClaimFinding& claim : study.claims)
+    shown["claims"].push_back(claim_json(claim));
+  for (const ConditionFinding& condition : study.conditions) {
+    if (!condition.pairs) continue;
+    shown["about"].push_back(place_json(condition.place));
+    shown["about"].back()["metric"] = condition.metric;
+    shown["about"].back().update(about_json(condition.about));
+  }
+  for (const RankedResult& ranked : ranked_results(study)) {
     const MethodFinding& result = *ranked.result;
     ordered_json entry = result_json(result);
     entry["sampler_by_description"] = is_by_description(known_samplers(), result.sampler_name);
@@ -305,9 +321,9 @@ std::string results_text(const std::vector<RankedResult>& results) {
     entry["biased"] = result.reference.ends_with("(biased)");
     if (ranked.relmse) entry["ranks"]["relmse"] = ranks_json(*ranked.relmse);
     if (ranked.mse) entry["ranks"]["mse"] = ranks_json(*ranked.mse);
-    list.push_back(std::move(entry));
+    shown["results"].push_back(std::move(entry));
   }
-  return json_text(list);
+  return json_text(shown);
 }
 
 std::vector<KeptClaim> kept_claims(const std::filesystem::path& statistics_file) {

@@ -25,8 +25,9 @@ namespace spool::tools {
 
 void write_statistics(std::ostream& out, const Study& study);
 
-// As --json prints them: as in statistics.json, each with its ranks.
-std::string results_text(const std::vector<RankedResult>& results);
+// What --json prints: the baseline, the claims, what verdicts on mse and relmse are about, and the
+// results; all as in statistics.json, each result with its ranks.
+std::string study_text(const Study& study);
 
 // The claims of a statistics.json that another program may have changed: what is not text is left
 // empty.
