@@ -54,7 +54,6 @@ Judged<void> check_image(const DumpHeader& header) {
   }
   SPOOL_JUDGE(check_range("spp", header.spp, 1, kMaxSpp));
   SPOOL_JUDGE(check_range("block_spp", header.block_spp, 1, kMaxBlockSpp));
-  SPOOL_JUDGE(check_range("channel_count", header.channels.size(), kMinChannels, kMaxChannels));
   SPOOL_JUDGE(check_range("pixel_filter", static_cast<uint32_t>(header.pixel_filter), 0, 0));
   SPOOL_JUDGE(check_range("colour_space", static_cast<uint32_t>(header.colour_space), 0, 0));
   return check_range("sample_order", static_cast<uint32_t>(header.sample_order), 0, 1);
@@ -166,14 +165,19 @@ Judged<ChannelInfo> parse_channel(std::span<const std::byte> entry, size_t c, ui
 
 }  // namespace
 
+Judged<void> check_channels(const std::vector<ChannelInfo>& channels) {
+  SPOOL_JUDGE(check_range("channel_count", channels.size(), kMinChannels, kMaxChannels));
+  for (size_t c = 0; c < channels.size(); ++c) {
+    SPOOL_JUDGE(check_channel(channels[c], c));
+    SPOOL_JUDGE(check_neighbours(channels, c));
+  }
+  SPOOL_JUDGE(check_radiance(channels));
+  return check_range("group_count", channels.back().group + 1u, 1, kMaxGroups);
+}
+
 Judged<void> check_dump_header(const DumpHeader& header) {
   SPOOL_JUDGE(check_image(header));
-  for (size_t c = 0; c < header.channels.size(); ++c) {
-    SPOOL_JUDGE(check_channel(header.channels[c], c));
-    SPOOL_JUDGE(check_neighbours(header.channels, c));
-  }
-  SPOOL_JUDGE(check_radiance(header.channels));
-  SPOOL_JUDGE(check_range("group_count", header.channels.back().group + 1u, 1, kMaxGroups));
+  SPOOL_JUDGE(check_channels(header.channels));
   return check_volume(header);
 }
 

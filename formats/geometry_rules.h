@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "formats/dump_header.h"
 #include "formats/structures.h"
@@ -18,6 +19,9 @@ Judged<DumpHeader> parse_dump_header(std::span<const std::byte> imag,
 
 // Sections 4.1, 4.2 and 6.
 Judged<void> check_dump_header(const DumpHeader& header);
+
+// Section 4.2, of the channels alone.
+Judged<void> check_channels(const std::vector<ChannelInfo>& channels);
 
 UnitBytes encode_imag(const DumpHeader& header);
 UnitBytes encode_channel(const ChannelInfo& channel);

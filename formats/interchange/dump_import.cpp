@@ -4,6 +4,7 @@
 
 #include "formats/checked_math.h"
 #include "formats/dump_geometry.h"
+#include "formats/geometry_rules.h"
 #include "formats/interchange/import_watch.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/spool_writer.h"
@@ -65,10 +66,11 @@ DumpHeader make_header(const DumpPlan& plan, const std::vector<uint16_t>& groups
     const ForeignLayer& layer = plan.layers[i];
     const auto known = find_layer_name(layer.name);
     const auto semantic = known ? known->semantic : format::Semantic::kNotStated;
-    for (const std::string& component : layer.components)
-      header.channels.push_back({layer.name + "." + component, groups[i],
-                                 stored_type(layer.array.type), static_cast<uint16_t>(semantic),
-                                 layer.scope});
+    for (size_t c = 0; c < layer.components.size(); ++c)
+      header.channels.push_back(
+          {layer.name + "." + layer.components[c], groups[i], stored_type(layer.array.type),
+           layer.semantics.empty() ? static_cast<uint16_t>(semantic) : layer.semantics[c],
+           layer.scope});
   }
   header.block_spp = options.block_spp != 0 ? options.block_spp : kDefaultBlockSpp;
   while (options.block_spp == 0 && header.tile_size != 0 &&
@@ -177,14 +179,15 @@ std::optional<uint64_t> stored_bytes(const std::vector<ForeignLayer>& layers) {
 
 Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
                                 const ImportOptions& options) {
+  const std::string source = plan.record.files.empty() ? out.string() : plan.record.files[0].name;
   uint64_t source_bytes = 0;
   for (const ForeignFile& file : plan.record.files)
     source_bytes += file.bytes;
-  SPOOL_TRY(
-      options.expansion.check(plan.record.files.empty() ? out.string() : plan.record.files[0].name,
-                              stored_bytes(plan.layers), source_bytes));
+  SPOOL_TRY(options.expansion.check(source, stored_bytes(plan.layers), source_bytes));
   const std::vector<uint16_t> groups = assign_groups(plan.layers);
   const DumpHeader header = make_header(plan, groups, options);
+  if (const auto valid = format::check_channels(header.channels); !valid)
+    return fail(ErrorCode::kData, "{}: {}: mend it there", source, valid.error().what);
   format::WriterOptions writer_options;
   writer_options.compress = options.compress;
   writer_options.force = options.force;
@@ -192,7 +195,6 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
   writer_options.discard_unfinished = true;  // the source is still there
   SPOOL_ASSIGN(SpoolWriter writer, SpoolWriter::create(out, header, writer_options));
   const DumpGeometry geometry(writer.header());
-  const std::string source = plan.record.files.empty() ? out.string() : plan.record.files[0].name;
 
   ImportReport report{plan.width, plan.height, plan.spp, {}, {}, {}};
   bool half = false;

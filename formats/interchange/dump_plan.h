@@ -41,6 +41,7 @@ struct ForeignLayer {
   std::vector<std::string> components;
   format::Scope scope = format::Scope::kSample;
   SampleArray array;
+  std::vector<uint16_t> semantics = {};  // of the components; empty: as the name has it
 };
 
 struct DumpPlan {

@@ -55,6 +55,16 @@ std::optional<LayerName> find_layer_name(std::string_view layer) {
   return std::nullopt;
 }
 
+std::vector<uint16_t> own_semantics(const format::DumpHeader& header, const std::string& layer) {
+  std::vector<uint16_t> semantics;
+  for (const format::ChannelInfo& channel : header.channels)
+    if (channel.name.starts_with(layer + ".")) semantics.push_back(channel.semantic);
+  const auto known = find_layer_name(layer);
+  const auto usual = static_cast<uint16_t>(known ? known->semantic : Semantic::kNotStated);
+  if (std::ranges::all_of(semantics, [&](uint16_t s) { return s == usual; })) semantics.clear();
+  return semantics;
+}
+
 std::vector<std::string> listed_layer_names() {
   std::vector<std::string> names;
   for (const Row& row : kRows)

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/record_layout.h"
+#include "formats/dump_header.h"
 
 namespace spool::interchange {
 
@@ -17,6 +17,9 @@ struct LayerName {
 
 // nullopt for a name that the page does not list.
 std::optional<LayerName> find_layer_name(std::string_view layer);
+
+// Of the components of a layer, where they are not those that its name stands for; else empty.
+std::vector<uint16_t> own_semantics(const format::DumpHeader& header, const std::string& layer);
 
 std::vector<std::string> listed_layer_names();
 

@@ -2,6 +2,7 @@
 
 #include "formats/bounded_json.h"
 #include "formats/interchange/export_file.h"
+#include "formats/interchange/layer_names.h"
 #include "formats/interchange/npy_header.h"
 #include "formats/interchange/zip_writer.h"
 #include "formats/spool_reader.h"
@@ -33,8 +34,11 @@ std::string describe(const SpoolReader& dump) {
   if (!meta.contains("channels") || !meta["channels"].is_object())
     meta["channels"] = json::object();
   meta["scope"] = json::object();
+  meta.erase("semantic");
   for (const LayerInfo& layer : dump.layers()) {
     meta["scope"][layer.name] = scope_name(layer.scope);
+    if (const auto semantics = own_semantics(dump.header(), layer.name); !semantics.empty())
+      meta["semantic"][layer.name] = semantics;
     json& channel = meta["channels"][layer.name];  // an object holds remarks about the layer
     if (channel.is_object())
       channel["components"] = layer.components;

@@ -78,6 +78,26 @@ Result<std::vector<std::string>> components_of(const json& meta, const std::stri
               layer);
 }
 
+// meta.semantic.LAYER, a number of formats/spool.md 4.2 for each component; empty where it has
+// none.
+Result<std::vector<uint16_t>> semantics_of(const json& meta, const ForeignLayer& layer,
+                                           const std::string& file) {
+  std::vector<uint16_t> semantics;
+  if (!meta.contains("semantic") || !meta["semantic"].is_object()) return semantics;
+  const json given = meta["semantic"].value(layer.name, json());
+  if (given.is_null()) return semantics;
+  const auto known = [](const json& number) {
+    return number.is_number_unsigned() &&
+           number.get<uint64_t>() <= static_cast<uint64_t>(format::Semantic::kBits);
+  };
+  if (!given.is_array() || given.size() != layer.components.size() ||
+      !std::ranges::all_of(given, known))
+    return fail(ErrorCode::kData,
+                "{}: meta.semantic.{} is {}: give a number from 0 to 9 for each component", file,
+                layer.name, given.dump(-1, ' ', true));
+  return given.get<std::vector<uint16_t>>();
+}
+
 // Of what is measured they are encoded: a display's light, reflectance or normals in bytes.
 Result<void> refuse_whole_numbers(const NpzMember& member, const std::string& name) {
   using format::Semantic;
@@ -110,6 +130,7 @@ Result<ForeignLayer> plan_layer(const NpzMember& member, const json& meta, bool 
                 "{}: dtype <f8: save with astype('<f4') or --set import.narrow=on", name);
   SPOOL_ASSIGN(layer.scope, scope_of(meta, member.layer, file));
   SPOOL_ASSIGN(layer.components, components_of(meta, member.layer, file));
+  SPOOL_ASSIGN(layer.semantics, semantics_of(meta, layer, file));
   std::vector<uint64_t> shape = member.header.shape;
   const size_t axes = layer.scope == Scope::kSample ? 3 : layer.scope == Scope::kPixel ? 2 : 1;
   if (shape.size() == axes && layer.components.size() == 1) shape.push_back(1);
@@ -188,8 +209,8 @@ Result<FileHandle> locate(const FileHandle& file, const std::vector<NpzMember>& 
 
 // Removes from `meta` what the recording itself says; remarks stay.
 void drop_structure(json& meta, const DumpPlan& plan) {
-  for (const char* key :
-       {"spool_npz", "layout", "scope", "sample_order", "pixel_filter", "colour_space", "import"})
+  for (const char* key : {"spool_npz", "layout", "scope", "semantic", "sample_order",
+                          "pixel_filter", "colour_space", "import"})
     meta.erase(key);
   if (!meta.contains("channels") || !meta["channels"].is_object()) return;
   json& channels = meta["channels"];

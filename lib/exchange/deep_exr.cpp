@@ -9,7 +9,7 @@
 #include "formats/temporary_file.h"
 #include "lib/core/random.h"
 #include "lib/core/visible_text.h"
-#include "lib/exchange/dump_layers.h"
+#include "lib/exchange/pixel_layers.h"
 #include "lib/image_io/colour_space.h"
 #include "lib/image_io/deep_exr_file.h"
 #include "lib/image_io/exr_layers.h"
@@ -82,6 +82,11 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
   for (const LayerInfo& layer : dump.layers()) {
     pixel_layers = pixel_layers || layer.scope == Scope::kPixel;
     if (layer.scope == Scope::kPixel) continue;
+    if (layer.name == "spool" && std::ranges::count(layer.components, "index") > 0)
+      return fail(ErrorCode::kData,
+                  "{}: layer spool has a component index, where deep-exr keeps the numbers of the "
+                  "samples: export another format",
+                  in.string());
     for (const std::string& component : layer.components)
       deep.channels.push_back({layer.name + "." + component, pixel_type(layer.type)});
     sample_bytes += uint64_t{layer.channel_count} * format::bytes_per_value(layer.type);
@@ -159,12 +164,17 @@ Result<void> want(DeepInput& input, const std::string& layer, const std::string&
     return fail(ErrorCode::kData, "{}: no channel {}: was it dropped by a tool?", input.name,
                 theirs);
   const PixelType type = input.reader.header().channels[*at].type;
-  if (!input.told && type == PixelType::kUint)
+  if ((!input.told || layer == "radiance") && type == PixelType::kUint)
     return fail(ErrorCode::kData,
                 "{}: channel {} holds whole numbers (uint), {} has half or float: decode it first",
                 input.name, theirs, layer);
   if (input.wanted.empty() || input.wanted.back().layer.name != layer)
-    input.wanted.push_back({{layer, {}, scope, {}}, {}});
+    input.wanted.push_back({{layer,
+                             {},
+                             scope,
+                             {},
+                             input.told ? input.told->semantics(layer) : std::vector<uint16_t>()},
+                            {}});
   Wanted& wanted = input.wanted.back();
   if (!wanted.channels.empty() && input.reader.header().channels[wanted.channels[0]].type != type)
     return fail(ErrorCode::kData, "{}: the components of {} have different types: save them alike",
@@ -177,9 +187,14 @@ Result<void> want(DeepInput& input, const std::string& layer, const std::string&
 
 Result<void> plan_channels(DeepInput& input) {
   if (input.told) {
-    for (const ToldChannel& channel : input.told->channels)
-      if (channel.scope != Scope::kPixel)
-        SPOOL_TRY(want(input, channel.layer, channel.component, channel.name(), channel.scope));
+    for (const ToldChannel& channel : input.told->channels) {
+      if (channel.scope == Scope::kPixel) continue;
+      if (channel.name() == kIndexChannel)
+        return fail(ErrorCode::kData,
+                    "{}: its layer spool.index was lost in the export: export another format",
+                    input.name);
+      SPOOL_TRY(want(input, channel.layer, channel.component, channel.name(), channel.scope));
+    }
     const auto index = input.channel(kIndexChannel);
     if (!index || input.reader.header().channels[*index].type != PixelType::kUint)
       return fail(ErrorCode::kData, "{}: no channel spool.index: a tool dropped it; unusable",
@@ -364,7 +379,8 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   SPOOL_ASSIGN(interchange::ForeignFile identity, interchange::identify(file));
   plan.record.files.push_back(std::move(identity));
   if (input.told && input.told->has_pixel_layers())
-    SPOOL_TRY(read_told_pixel_layers(*input.told, pixel_file_of(in), end, scratch, plan));
+    SPOOL_TRY(read_pixel_layers(input.told, source_of(header.attributes), pixel_file_of(in), end,
+                                scratch, plan));
   for (ForeignLayer& layer : plan.layers)
     layer.array.file = &scratch;
   if (!input.told) {

@@ -40,10 +40,13 @@ Result<ScratchLayers> unpack_layers(const format::SpoolReader& dump,
 // Attributes that let an EXR come back as the recording it was: spoolVersion, spoolChannels,
 // spoolMeta, spoolSampleOrder, spoolSource.
 ExrAttributes describe_dump(const format::SpoolReader& dump);
+// spoolSource: the recording that an image was exported from; empty where it has none.
+std::string source_of(const ExrAttributes& attributes);
 
 struct ToldChannel {
   std::string layer, component;
   format::Scope scope = format::Scope::kSample;
+  uint16_t semantic = 0;
   std::string name() const { return layer + "." + component; }
 };
 // What describe_dump() wrote.
@@ -53,19 +56,10 @@ struct ToldDump {
   format::SampleOrder sample_order = format::SampleOrder::kRenderer;
   std::optional<double> samples;  // of every pixel, where the attributes say it
   bool has_pixel_layers() const;
+  std::vector<uint16_t> semantics(const std::string& layer) const;  // empty: none are given
 };
-// kData when the attributes are there and make no sense; nullopt when there are none.
+// kData when the attributes are there and make no sense, or describe no recording; nullopt when
+// there are none.
 Result<std::optional<ToldDump>> told_dump(const ExrAttributes& attributes, const std::string& name);
-
-// Planes of pixel scope as a flat EXR; nothing is written when there are none.
-Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& scratch,
-                                const std::filesystem::path& path, bool force);
-// Adds the pixel layers of such a file to `plan`, its numbers at the end of `scratch`.
-Result<void> read_pixel_layers(const std::filesystem::path& path, uint64_t& end,
-                               format::FileHandle& scratch, interchange::DumpPlan& plan);
-// The same for what told_dump() found: kData when a layer is missing that the recording had.
-Result<void> read_told_pixel_layers(const ToldDump& told, const std::filesystem::path& path,
-                                    uint64_t& end, format::FileHandle& scratch,
-                                    interchange::DumpPlan& plan);
 
 }  // namespace spool::exchange

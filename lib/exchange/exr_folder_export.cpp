@@ -5,6 +5,7 @@
 
 #include "formats/byte_io.h"
 #include "lib/exchange/exr_names.h"
+#include "lib/exchange/pixel_layers.h"
 
 namespace spool::exchange {
 

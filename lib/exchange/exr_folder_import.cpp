@@ -1,11 +1,13 @@
 #include "lib/exchange/exr_folder_import.h"
 
 #include <charconv>
+#include <map>
 
 #include "formats/interchange/layer_names.h"
 #include "formats/temporary_file.h"
 #include "lib/core/nearest_name.h"
 #include "lib/exchange/numbered_files.h"
+#include "lib/exchange/pixel_layers.h"
 #include "lib/exchange/sample_image.h"
 #include "lib/image_io/foreign_picture.h"
 
@@ -29,7 +31,7 @@ Result<std::vector<ExrPart>> parts_of(const std::filesystem::path& path) {
 uint64_t plan_layers(const ExrMapping& mapping, DumpPlan& plan) {
   uint64_t end = 0;
   for (const MappedLayer& mapped : mapping.layers) {
-    ForeignLayer layer{mapped.name, mapped.components, Scope::kSample, {}};
+    ForeignLayer layer{mapped.name, mapped.components, Scope::kSample, {}, mapped.semantics};
     layer.array.offset = end;
     layer.array.type = element_type(mapped.type);
     layer.array.sample_major = true;
@@ -43,48 +45,67 @@ uint64_t plan_layers(const ExrMapping& mapping, DumpPlan& plan) {
   return end;
 }
 
-// Pass-scope layers of our own export: one number per image and component.
+struct PassValue {
+  interchange::ElementType type;
+  uint32_t bits;
+};
+
+// "f32:3f800000": nothing for what no export writes.
+std::optional<PassValue> pass_value(const ExrAttributes& attributes, const std::string& key) {
+  using enum interchange::ElementType;
+  const auto found = attributes.texts.find(key);
+  if (found == attributes.texts.end() || found->second.size() != 12) return std::nullopt;
+  const std::string_view text = found->second, type = text.substr(0, 4);
+  PassValue value{type == "f16:" ? kFloat16 : type == "u32:" ? kUint32 : kFloat32, 0};
+  const char* end = text.data() + text.size();
+  if (std::from_chars(text.data() + 4, end, value.bits, 16).ptr != end ||
+      (value.type == kFloat32 && type != "f32:") || (value.type == kFloat16 && value.bits > 0xffff))
+    return std::nullopt;
+  return value;
+}
+
+// Adds a pass-scope layer of our own export, one number per image and component.
+Result<void> plan_pass_layer(ForeignLayer layer, const std::vector<ExrAttributes>& attributes,
+                             const std::string& in, uint64_t& end, FileHandle& scratch,
+                             DumpPlan& plan) {
+  std::vector<std::byte> values;
+  for (size_t s = 0; s < attributes.size(); ++s) {
+    for (const std::string& component : layer.components) {
+      const auto key = "spoolPass." + layer.name + "." + component;
+      const auto value = pass_value(attributes[s], key);
+      if (!value)
+        return fail(ErrorCode::kData, "{}: image {} has no attribute {}: a tool dropped it", in, s,
+                    key);
+      if (!values.empty() && value->type != layer.array.type)
+        return fail(ErrorCode::kData,
+                    "{}: {} changes its type (image {}): was an attribute edited?", in, layer.name,
+                    s);
+      layer.array.type = value->type;
+      const auto* raw = reinterpret_cast<const std::byte*>(&value->bits);
+      values.insert(values.end(), raw, raw + interchange::element_bytes(value->type));
+    }
+  }
+  layer.array.offset = end;
+  layer.array.samples = plan.spp;
+  layer.array.components = static_cast<uint32_t>(layer.components.size());
+  SPOOL_TRY(scratch.write_at(end, values));
+  end += values.size();
+  plan.layers.push_back(std::move(layer));
+  return {};
+}
+
 Result<void> plan_pass_layers(const ToldDump& told, const std::vector<ExrAttributes>& attributes,
                               const std::string& in, uint64_t& end, FileHandle& scratch,
                               DumpPlan& plan) {
-  for (size_t first = 0; first < told.channels.size(); ++first) {
-    if (told.channels[first].scope != Scope::kPass) continue;
-    ForeignLayer layer{told.channels[first].layer, {}, Scope::kPass, {}};
-    size_t last = first;
-    while (last < told.channels.size() && told.channels[last].layer == layer.name)
-      layer.components.push_back(told.channels[last++].component);
-    std::vector<std::byte> values;
-    for (size_t s = 0; s < attributes.size(); ++s) {
-      for (const std::string& component : layer.components) {
-        const auto key = "spoolPass." + layer.name + "." + component;
-        const auto found = attributes[s].texts.find(key);
-        uint32_t bits = 0;
-        const bool parsed =
-            found != attributes[s].texts.end() && found->second.size() == 12 &&
-            std::from_chars(&found->second[4], &found->second[4] + 8, bits, 16).ptr ==
-                &found->second[4] + 8;
-        if (!parsed)
-          return fail(ErrorCode::kData, "{}: image {} has no attribute {}: a tool dropped it", in,
-                      s, key);
-        const bool half = found->second.starts_with("f16:");
-        layer.array.type = half                                ? interchange::ElementType::kFloat16
-                           : found->second.starts_with("u32:") ? interchange::ElementType::kUint32
-                                                               : interchange::ElementType::kFloat32;
-        const auto* raw = reinterpret_cast<const std::byte*>(&bits);
-        values.insert(values.end(), raw, raw + (half ? 2 : 4));
-      }
-    }
-    layer.array.offset = end;
-    layer.array.samples = plan.spp;
-    layer.array.components = static_cast<uint32_t>(layer.components.size());
-    if (values.size() != layer.array.bytes())
-      return fail(ErrorCode::kData, "{}: {} changes its type: was an attribute edited?", in,
-                  layer.name);
-    SPOOL_TRY(scratch.write_at(end, values));
-    end += values.size();
-    plan.layers.push_back(std::move(layer));
-    first = last - 1;
+  std::vector<ForeignLayer> layers;
+  for (const ToldChannel& channel : told.channels) {
+    if (channel.scope != Scope::kPass) continue;
+    if (layers.empty() || layers.back().name != channel.layer)
+      layers.push_back({channel.layer, {}, Scope::kPass, {}, told.semantics(channel.layer)});
+    layers.back().components.push_back(channel.component);
   }
+  for (ForeignLayer& layer : layers)
+    SPOOL_TRY(plan_pass_layer(std::move(layer), attributes, in, end, scratch, plan));
   return {};
 }
 
@@ -101,11 +122,7 @@ Result<void> check_complete(const ToldDump& told, const std::vector<std::filesys
 // Images of another recording between them would be samples of this one.
 Result<void> check_source(const ExrAttributes& first, const ExrAttributes& image,
                           const std::filesystem::path& file) {
-  const auto source = [](const ExrAttributes& attributes) {
-    const auto found = attributes.texts.find("spoolSource");
-    return found == attributes.texts.end() ? std::string() : found->second;
-  };
-  if (source(first) == source(image)) return {};
+  if (source_of(first) == source_of(image)) return {};
   return fail(
       ErrorCode::kData,
       "{}: of another recording than the first image: export both anew, each to a folder of "
@@ -122,8 +139,11 @@ Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
   std::vector<ExrAttributes> attributes;
   std::vector<std::byte> first_radiance;
   bool all_alike = files.size() > 1;
+  std::map<std::string, size_t> lossy;  // compression -> how many images have it
   for (size_t s = 0; s < files.size(); ++s) {
     SPOOL_ASSIGN(SampleImage image, read_sample_image(files[s], first, mapping));
+    for (const std::string& compression : image.lossy)
+      ++lossy[compression];
     for (size_t l = 0; l < mapping.layers.size(); ++l) {
       const std::vector<std::byte>& values = image.layers[l];
       SPOOL_TRY(scratch.write_at(plan.layers[l].array.offset + s * values.size(), values));
@@ -140,6 +160,8 @@ Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
   if (all_alike)
     return fail(ErrorCode::kData, "{}: all {} images are alike: the seed did not change",
                 in.string(), files.size());
+  for (const auto& [compression, images] : lossy)
+    plan.record.converted.push_back(lossy_remark(compression, images, files.size()));
   return attributes;
 }
 
@@ -176,10 +198,9 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   SPOOL_ASSIGN(const auto attributes, read_images(in, files, first, mapping, scratch, plan));
   if (told) SPOOL_TRY(plan_pass_layers(*told, attributes, in.string(), end, scratch, plan));
   std::error_code ignored;
-  if (told && told->has_pixel_layers())
-    SPOOL_TRY(read_told_pixel_layers(*told, in / kPixelFile, end, scratch, plan));
-  else if (std::filesystem::exists(in / kPixelFile, ignored))
-    SPOOL_TRY(read_pixel_layers(in / kPixelFile, end, scratch, plan));
+  if ((told && told->has_pixel_layers()) || std::filesystem::exists(in / kPixelFile, ignored))
+    SPOOL_TRY(
+        read_pixel_layers(told, source_of(attributes[0]), in / kPixelFile, end, scratch, plan));
   for (ForeignLayer& layer : plan.layers)
     layer.array.file = &scratch;
   plan.sample_order =
@@ -188,7 +209,8 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   plan.record.format = "exr-folder";
   plan.record.options["map"] = options.map.layers;
   plan.record.dropped = mapping.dropped;
-  plan.record.converted = mapping.converted;
+  plan.record.converted.insert(plan.record.converted.begin(), mapping.converted.begin(),
+                               mapping.converted.end());
   if (window.x0 != 0 || window.y0 != 0)
     plan.record.converted.push_back(
         fmt::format("the data window began at {},{} and was moved to 0,0", window.x0, window.y0));
@@ -196,9 +218,6 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
     plan.record.converted.push_back(
         fmt::format("all of the data window ({}) was taken, the display window is another ({})",
                     text_of(window), text_of(part.display)));
-  if (!part.lossy.empty())
-    plan.record.converted.push_back(fmt::format(
-        "{} is a compression with loss: the values are near those that were rendered", part.lossy));
   std::vector<std::string> notes = plan.record.converted;
   notes.insert(notes.end(), numbered.notes.begin(), numbered.notes.end());
   notes.insert(notes.end(), mapping.notes.begin(), mapping.notes.end());

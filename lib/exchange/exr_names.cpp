@@ -83,6 +83,11 @@ const char* word_of(PixelType type) {
 // Adds a layer, whose colours become those of Rec. 709, as floats.
 Result<void> keep(MappedLayer layer, const ExrPart& part, const std::string& file,
                   ExrMapping& mapping) {
+  if (layer.name == "radiance" && layer.type == PixelType::kUint)
+    return fail(ErrorCode::kData,
+                "{}: radiance holds whole numbers (uint), light has half or float: divide by the "
+                "largest and linearise",
+                file);
   if (layer.is_colour()) {
     SPOOL_ASSIGN(layer.conversion, conversion_to_rec709(part, file));
   }
@@ -114,11 +119,6 @@ class Mapper {
     radiance_ = &chosen.layer;
     SPOOL_TRY(add("radiance", chosen.layer.part,
                   {chosen.layer.colour->begin(), chosen.layer.colour->end()}));
-    if (mapping_.layers[0].type == PixelType::kUint)
-      return fail(ErrorCode::kData,
-                  "{}: {} holds whole numbers (uint), light has half or float: divide by the "
-                  "largest and linearise",
-                  file_, spelt(chosen.layer));
     for (const auto& [ours, theirs] : map.layers)
       if (ours != "radiance") SPOOL_TRY(add_named(ours, theirs));
     SPOOL_TRY(add_blender());
@@ -289,7 +289,8 @@ Result<ExrMapping> map_told(const ExrPart& part, const ToldDump& told, const std
     if (found == part.channels.end())
       return fail(ErrorCode::kData, "{}: no channel {}: was it dropped by a tool?", file, theirs);
     if (layers.empty() || layers.back().name != channel.layer)
-      layers.push_back({channel.layer, {}, {}, found->type});
+      layers.push_back(
+          {channel.layer, {}, {}, found->type, std::nullopt, told.semantics(channel.layer)});
     MappedLayer& layer = layers.back();
     if (layer.type != found->type)
       return fail(ErrorCode::kData,

@@ -26,6 +26,7 @@ struct MappedLayer {
   std::vector<ForeignChannel> planes;               // theirs, one per component
   PixelType type = PixelType::kFloat;               // of all components together
   std::optional<ColourConversion> conversion = {};  // of colours that are not those of Rec. 709
+  std::vector<uint16_t> semantics = {};             // of the components; empty: by the name
 
   bool is_colour() const { return components == std::vector<std::string>{"R", "G", "B"}; }
 };

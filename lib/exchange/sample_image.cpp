@@ -98,9 +98,11 @@ Result<SampleImage> read_sample_image(const std::filesystem::path& path,
                                       const ExrMapping& mapping) {
   SPOOL_ASSIGN(ExrSource source, ExrSource::open(path));
   SPOOL_TRY(check_alike(source.parts(), first, source.name()));
-  SampleImage image{{}, source.parts()[0].attributes};
+  SampleImage image{{}, source.parts()[0].attributes, {}};
   for (const MappedLayer& layer : mapping.layers) {
     const size_t part = layer.planes[0].first;
+    if (const std::string& lossy = source.parts()[part].lossy; !lossy.empty())
+      image.lossy.insert(lossy);
     std::vector<size_t> channels;
     for (const auto& [ignored, channel] : layer.planes)
       channels.push_back(channel);

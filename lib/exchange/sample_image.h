@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "lib/core/error.h"
@@ -13,6 +15,7 @@ namespace spool::exchange {
 struct SampleImage {
   std::vector<std::vector<std::byte>> layers;  // of the mapping, [y][x][c]
   ExrAttributes attributes;                    // of part 0
+  std::set<std::string> lossy;                 // compressions of the layers that change values
 };
 
 // kData for sizes that are beyond those of a recording.

@@ -38,6 +38,7 @@ Result<ExrPlanes> read_exr_planes(const std::filesystem::path& path, const ExrRe
   image.width = static_cast<int>(part.data.width);
   image.height = static_cast<int>(part.data.height);
   image.attributes = part.attributes;
+  image.lossy = part.lossy;
   return image;
 }
 

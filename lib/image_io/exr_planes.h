@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "lib/core/error.h"
@@ -16,6 +17,7 @@ struct ExrPlanes {
   int height = 0;
   std::vector<ExrPlane> planes = {};
   ExrAttributes attributes = {};
+  std::string lossy = {};  // as of ExrPart
 };
 
 // kData for a file of several parts.

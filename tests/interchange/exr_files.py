@@ -81,3 +81,19 @@ def rgb(pixels, layer="", names="RGB", dtype="f4"):
     """{"LAYER.R": ...} of pixels [y][x][3]; dtype: one, or one for each channel."""
     dtypes = dtype if isinstance(dtype, tuple) else (dtype,) * 3
     return {(layer + "." if layer else "") + n: pixels[..., i].astype(t) for i, (n, t) in enumerate(zip(names, dtypes))}
+
+
+def edited(path, change, out=None):
+    """The EXR with change(name, value) for the value of every attribute of text, and its table of offsets moved."""
+    data = path.read_bytes()
+    at, head, grown = 8, data[:8], 0
+    while data[at]:
+        name, kind = (part.decode() for part in data[at:].split(b"\0", 2)[:2])
+        begin = at + len(name) + len(kind) + 6
+        size = struct.unpack_from("<i", data, begin - 4)[0]
+        value = data[begin:begin + size]
+        new = change(name, value.decode()).encode() if kind == "string" else value
+        head, grown, at = head + attribute(name, kind, new), grown + len(new) - size, begin + size
+    first = struct.unpack_from("<Q", data, at + 1)[0]  # of the chunks, of a table that ends there
+    offsets = np.frombuffer(data[at + 1:first], "<u8") + np.uint64(grown % 2**64)
+    (out or path).write_bytes(head + b"\0" + offsets.tobytes() + data[first:])

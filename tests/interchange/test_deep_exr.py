@@ -3,7 +3,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import spool
+import spool.exr
 
+import exr_files
 import sample_dumps
 from conftest import run_jobs
 
@@ -73,6 +75,31 @@ def test_reordered_samples_are_refused(tmp_path):
     assert out.open(str(tmp_path / "b.exr"), spec) and out.write_deep_image(deep) and out.close()
     code, message = run_jobs(("import deep-exr", tmp_path / "b.exr", tmp_path / "b.spool"))[0]
     assert code == 1 and "sample 2 of pixel 4,0 has index 5: a tool reordered the samples" in message
+
+
+def test_a_reference_of_another_recording_is_refused(tmp_path):
+    for name in "ab":
+        spool.write(tmp_path / f"{name}.spool", np.ones((3, 4, 2, 3), "f4"), reference=np.ones((3, 4, 3), "f4"))
+        assert run_jobs(("export deep-exr", tmp_path / f"{name}.spool", tmp_path / f"{name}.exr"))[0][0] == 0
+    pixels = spool.exr.read(tmp_path / "b.pixel.exr")
+    (tmp_path / "b.pixel.exr").replace(tmp_path / "a.pixel.exr")
+    code, message = run_jobs(("import deep-exr", tmp_path / "a.exr", tmp_path / "c.spool"))[0]
+    assert code == 1 and message.startswith(f"{tmp_path / 'a.pixel.exr'}: of another recording than the samples"), message
+    spool.exr.write(tmp_path / "b.pixel.exr", pixels)  # as exports of before: it is of no recording
+    (tmp_path / "b.pixel.exr").replace(tmp_path / "a.pixel.exr")
+    assert run_jobs(("import deep-exr", tmp_path / "a.exr", tmp_path / "c.spool"))[0][0] == 0
+
+
+def test_a_layer_that_would_be_taken_for_the_numbers_of_samples_is_refused(tmp_path):
+    values = np.arange(24, dtype="u4").reshape(3, 4, 2)
+    spool.write(tmp_path / "a.spool", np.ones((3, 4, 2, 3), "f4"), spool=values, components={"spool": ["index"]})
+    code, message = run_jobs(("export deep-exr", tmp_path / "a.spool", tmp_path / "a.exr"))[0]
+    assert code == 1 and "layer spool has a component index" in message and not (tmp_path / "a.exr").exists(), message
+    spool.write(tmp_path / "b.spool", np.ones((3, 4, 2, 3), "f4"), spook=values, components={"spook": ["index"]})
+    assert run_jobs(("export deep-exr", tmp_path / "b.spool", tmp_path / "b.exr"))[0][0] == 0
+    exr_files.edited(tmp_path / "b.exr", lambda name, value: value.replace("spook", "spool") if name == "spoolChannels" else value)
+    code, message = run_jobs(("import deep-exr", tmp_path / "b.exr", tmp_path / "c.spool"))[0]
+    assert code == 1 and "spool.index was lost in the export" in message, message
 
 
 def test_files_of_other_tools(tmp_path):

@@ -1,4 +1,6 @@
 """Folders of one-sample EXR images: our own, and what OpenImageIO writes under others' names."""
+import json
+
 import numpy as np
 import OpenImageIO as oiio
 import pytest
@@ -152,7 +154,8 @@ def from_another_recording(folder, name):
     (taken_away, "sample_0000.exr", "out: 3 images, sample_0001.exr says that the recording had 4 samples"),
     (taken_away, "pixel_layers.exr", "pixel_layers.exr: is missing"),
     (without_layer, "pixel_layers.exr", "pixel_layers.exr: no channel reference.R"),
-    (from_another_recording, "sample_0002.exr", "sample_0002.exr: of another recording")])
+    (from_another_recording, "sample_0002.exr", "sample_0002.exr: of another recording"),
+    (from_another_recording, "pixel_layers.exr", "pixel_layers.exr: of another recording")])
 def test_an_export_of_ours_that_is_not_whole_is_refused(tmp_path, change, name, words):
     spool.write(tmp_path / "whole.spool", np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3)), reference=SAMPLES[0], albedo=SAMPLES[1],
                 scope={"albedo": "pixel"})
@@ -162,6 +165,75 @@ def test_an_export_of_ours_that_is_not_whole_is_refused(tmp_path, change, name, 
     code, message, path = imported(tmp_path, tmp_path / "out")
     assert code == 1 and words in message and "\n" not in message.strip(), message
     assert not path.exists()
+
+
+CHANNELS = [  # of scope, name; what an edited attribute lets the channels be
+    (["pass radiance.R", "pass radiance.G", "pass radiance.B"], "radiance is not f16 or f32 of scope sample"),
+    (["sample radiance.R", "sample radiance.G"], "channel_count is 2"),
+    (["sample radiance.B", "sample radiance.G", "sample radiance.R"], "group 0 is not radiance.R, radiance.G, radiance.B"),
+    (["sample radiance.R", "sample radiance.G", "sample radiance.B", "sample radiance.R"], "channel radiance.R occurs twice"),
+    (["sample radiance.R", "sample radiance.G", "sample radiance.B", "sample a.X", "pass a.Y"], "channel a.Y differs in dtype or scope"),
+    (["sample radiance.R", "sample radiance.G", "sample radiance.B", "sample a.X", "sample b.X", "sample a.Y"], "layer of channel a.Y is not one run"),
+    (["sample radiance.R", "sample radiance.G", "sample radiance.B", "sample a b.X"], "name of channel 3 is not")]
+
+
+@pytest.mark.parametrize("kind", ["exr-folder", "deep-exr"])
+@pytest.mark.parametrize("channels, words", CHANNELS)
+def test_an_edited_list_of_channels_is_named_in_its_file(tmp_path, kind, channels, words):
+    spool.write(tmp_path / "a.spool", np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3)))
+    told = json.dumps([dict(zip(("scope", "name"), channel.split(" ", 1))) for channel in channels])
+    out = tmp_path / ("out" if kind == "exr-folder" else "out.exr")
+    assert run_jobs((f"export {kind}", tmp_path / "a.spool", out))[0][0] == 0
+    for image in sorted(out.iterdir()) if out.is_dir() else [out]:
+        exr_files.edited(image, lambda name, value: told if name == "spoolChannels" else value)
+    code, message = run_jobs((f"import {kind}", out, tmp_path / "b.spool"))[0]
+    first = out / "sample_0000.exr" if out.is_dir() else out
+    assert code == 1 and message.startswith(f"{first}: attribute spoolChannels ({words}"), message
+    assert not (tmp_path / "b.spool").exists()
+
+
+def test_channels_that_are_no_recording_are_named_in_their_source(tmp_path):
+    source = folder(tmp_path, "RGB", list(SAMPLES))
+    write_image(source / "pixel_layers.exr", ["radiance.R"], SAMPLES[0][..., :1])
+    code, message, path = imported(tmp_path, source)
+    assert code == 1 and message.startswith("frame_003.exr: ") and "radiance" in message and not path.exists(), message
+
+
+def test_order_and_semantics_of_channels_come_back(tmp_path):
+    channels = [spool.Channel(name, group, dtype, semantic, scope) for name, group, dtype, semantic, scope in (
+        ("radiance.R", 0, "f4", 1, "sample"), ("radiance.G", 0, "f4", 1, "sample"), ("radiance.B", 0, "f4", 1, "sample"),
+        ("vu.V", 1, "f4", 7, "pixel"), ("vu.U", 1, "f4", 9, "pixel"), ("ba.B", 2, "f4", 7, "sample"), ("ba.A", 2, "f4", 3, "sample"),
+        ("zy.Z", 3, "u4", 9, "pass"), ("zy.Y", 3, "u4", 2, "pass"))]
+    with spool.Writer(tmp_path / "a.spool", 5, 6, 4, channels=channels) as writer:
+        writer.write_passes(0, {"radiance": SAMPLES.transpose(1, 2, 0, 3), "ba": SAMPLES.transpose(1, 2, 0, 3)[..., 1:]})
+        writer.write_pixel("vu", SAMPLES[0][..., :2])
+        writer.write_pass("zy", np.arange(8, dtype="u4").reshape(4, 2))
+    for kind, name in (("exr-folder", "out"), ("deep-exr", "out.exr"), ("npz", "out.npz")):
+        results = run_jobs((f"export {kind}", tmp_path / "a.spool", tmp_path / name), (f"import {kind}", tmp_path / name, tmp_path / f"{kind}.spool"))
+        assert [code for code, _ in results] == [0, 0], results
+        with spool.open(tmp_path / f"{kind}.spool") as dump:
+            assert np.array_equal(dump.pixel("vu"), SAMPLES[0][..., :2]), kind
+            assert {c.name: (c.semantic, c.scope) for c in dump.channels} == {c.name: (c.semantic, c.scope) for c in channels}, kind
+            assert [c.name for c in dump.channels if c.name[:2] == "vu"] == ["vu.V", "vu.U"]
+
+
+@pytest.mark.parametrize("value, words", [
+    ("f32:00000001", "seed changes its type (image 1)"), ("zzz:00000001", "image 1 has no attribute spoolPass.seed.S"),
+    ("f16:12345678", "image 1 has no attribute spoolPass.seed.S"), ("u32:0000000g", "image 1 has no attribute spoolPass.seed.S")])
+def test_an_edited_value_of_a_pass_is_no_other_number(tmp_path, value, words):
+    spool.write(tmp_path / "whole.spool", np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3)), seed=np.array([7, 6, 6, 5], "u4"), scope={"seed": "pass"})
+    assert run_jobs(("export exr-folder", tmp_path / "whole.spool", tmp_path / "out"))[0][0] == 0
+    exr_files.edited(tmp_path / "out" / "sample_0001.exr", lambda name, old: value if name == "spoolPass.seed.S" else old)
+    code, message, path = imported(tmp_path, tmp_path / "out")
+    assert code == 1 and words in message and not path.exists(), message
+
+
+def test_a_compression_with_loss_is_remarked_in_every_image_and_layer(tmp_path):
+    source = folder(tmp_path, "RGB", list(SAMPLES))
+    write_image(source / "frame_005.exr", "RGB", SAMPLES[2], attributes=[("compression", "dwaa")])
+    write_image(source / "pixel_layers.exr", ["reference.R", "reference.G", "reference.B"], SAMPLES[0], attributes=[("compression", "dwaa")])
+    code, message, _ = imported(tmp_path, source)
+    assert code == 0 and "DWA is a compression with loss: the values of 1 of 4 images" in message and "of 1 of 1 images" in message, message
 
 
 NAMES = [  # in the order of their numbers, and what is said of them
