@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "formats/byte_io.h"
 #include "formats/checked_math.h"
 #include "formats/dump_geometry.h"
 #include "formats/geometry_rules.h"
+#include "formats/half_float.h"
 #include "formats/interchange/import_watch.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/spool_writer.h"
@@ -94,6 +96,23 @@ struct TilePart {
   format::PixelRect rect;
 };
 
+// Errors would be debiased by it, and come out too large.
+Result<void> check_variance(std::span<const std::byte> values, DataType type,
+                            const format::PixelRect& rect, const std::string& source) {
+  const uint64_t bytes = format::bytes_per_value(type);
+  for (uint64_t i = 0; i < values.size() / bytes; ++i) {
+    const float value = type == DataType::kFloat16
+                            ? format::half_to_float(format::load<uint16_t>(values, 2 * i))
+                            : format::load<float>(values, 4 * i);
+    const uint64_t pixel = i % (uint64_t{rect.width()} * rect.height());
+    if (value < 0)
+      return fail(ErrorCode::kData,
+                  "{}: reference_variance of pixel {},{} is {}: a variance is at least 0", source,
+                  rect.x0 + pixel % rect.width(), rect.y0 + pixel / rect.width(), value);
+  }
+  return {};
+}
+
 // A layer's values, whose first channel is `channel` of the group, into the blocks of a tile.
 Result<void> fill_layer(const DumpGeometry& geometry, const TilePart& part,
                         const ForeignLayer& layer, uint64_t channel, const std::string& source,
@@ -122,7 +141,12 @@ Result<void> fill_layer(const DumpGeometry& geometry, const TilePart& part,
                     source, layer.name, part.tile, first, first + count - 1);
     }
   }
-  return {};
+  const DataType type = geometry.groups()[part.group].type;
+  if (layer.name != "reference_variance" || type == DataType::kUint32) return {};
+  const uint64_t plane = scratch.payloads[0].size() / geometry.groups()[part.group].channel_count;
+  return check_variance(
+      std::span(scratch.payloads[0]).subspan(channel * plane, layer.array.components * plane), type,
+      rect, source);
 }
 
 // All blocks of one tile of one group.

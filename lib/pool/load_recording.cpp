@@ -7,6 +7,7 @@
 #include "formats/bounded_json.h"
 #include "formats/spool_reader.h"
 #include "lib/pool/holding.h"
+#include "lib/pool/reference_check.h"
 
 namespace spool {
 namespace {
@@ -111,6 +112,7 @@ Result<void> load_reference(const SpoolReader& reader, RecordedSamples& samples)
   if (reader.find_layer("reference_variance")) {
     SPOOL_ASSIGN(reference.variance_of_mean, pixel_image(reader, "reference_variance"));
   }
+  SPOOL_TRY(check_reference(reference, reader.path().string()));
   samples.set_reference(std::move(reference));
   return {};
 }

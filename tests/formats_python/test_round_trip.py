@@ -104,3 +104,14 @@ def test_missing_blocks_are_an_error_and_not_zeros(tmp_path):
             dump.read("radiance")
     assert caught.value.kind == "absent" and caught.value.code == 1
     assert spool.check(path).ok
+
+
+@pytest.mark.parametrize("value", [-1, -1e-30, np.nan, np.inf])
+def test_a_variance_that_is_none_is_refused_where_its_reference_judges(tmp_path, value):
+    radiance, reference, variance = np.ones((4, 5, 2, 3), "f4"), np.ones((4, 5, 3), "f4"), np.zeros((4, 5, 3), "f4")
+    variance[3, 2, 1] = value
+    with pytest.raises(spool.SpoolError, match=r"a\.spool: reference_variance of pixel 2,3 is .*: a variance is finite and at least 0") as refused:
+        spool.write(tmp_path / "a.spool", radiance, reference=reference, reference_variance=variance)
+    assert refused.value.kind == "usage" and not list(tmp_path.iterdir())
+    reference[3, 2, 1] = np.nan
+    spool.write(tmp_path / "a.spool", radiance, reference=reference, reference_variance=variance)

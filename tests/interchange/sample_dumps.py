@@ -21,6 +21,7 @@ def rich(path, seed=0, size=(5, 9), spp=6, finite=False):
     for name, (dtype, components, scope) in layers.items():
         shape = shapes[scope] + ((len(components),) if len(components) > 1 else ())
         arrays[name] = rng.integers(0, 2**32, shape, np.uint32) if dtype == "u4" else draw(shape, dtype)
+    arrays["reference_variance"] = (arrays["reference_variance"].view(np.uint32) & 0x3FFFFFFF).view(np.float32)  # below 2
     radiance = arrays.pop("radiance")
     spool.write(path, radiance, tile_size=8, block_spp=4, sample_order="exchangeable", meta={"renderer": {"name": "test"}},
                 scope={name: layers[name][2] for name in arrays}, **arrays)

@@ -146,6 +146,23 @@ def test_unusual_values_are_stored_counted_and_told(tmp_path):
     assert spool.open(out).read("radiance").tobytes() == samples.tobytes()
 
 
+@pytest.mark.parametrize("dtype", ["f2", "f4"])
+def test_a_variance_below_zero_is_named_with_its_pixel(tmp_path, dtype):
+    variance = np.zeros((20, 70, 3), dtype)
+    variance[11, 66, 1] = -0.5
+    np.savez(tmp_path / "a.npz", radiance=np.ones((20, 70, 2, 3), "f4"), reference=np.ones((20, 70, 3), "f4"), reference_variance=variance, meta=meta_array())
+    code, message = run("import npz", tmp_path / "a.npz", tmp_path / "a.spool")
+    assert code == 1 and "a.npz: reference_variance of pixel 66,11 is -0.5" in message, message
+    assert [path.name for path in tmp_path.iterdir()] == ["a.npz"]
+
+
+def test_a_meaning_that_is_none_is_named(tmp_path):
+    for semantic in (7, [7], [7, 10, 1], ["x"] * 3, [-1] * 3):
+        np.savez(tmp_path / "a.npz", radiance=np.ones((2, 3, 2, 3), "f4"), meta=meta_array(semantic={"radiance": semantic}))
+        code, message = run("import npz", tmp_path / "a.npz", tmp_path / "a.spool")
+        assert code == 1 and "meta.semantic.radiance is" in message, message
+
+
 def test_existing_files_are_kept(tmp_path):
     source, out = tmp_path / "a.npz", tmp_path / "a.spool"
     np.savez(source, radiance=radiance(np.random.default_rng(1)), meta=meta_array())

@@ -4,7 +4,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <span>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -315,6 +317,43 @@ TEST(LoadRecording, MissingBlockIsRefusedWithItsTile) {
   EXPECT_NE(loaded.error().message.find("samples 2-2 of tile 1 (pixels 8,0 to 9,2)"),
             std::string::npos)
       << loaded.error().message;
+}
+
+// Of a recording of 30 pixels whose reference and its variance are these values everywhere.
+Result<void> loaded_with(const ScratchFolder& folder, float reference, float variance) {
+  format::DumpHeader header = small_header(format::DataType::kFloat32);
+  for (std::uint16_t group : {1, 2})
+    for (const char* component : {".R", ".G", ".B"})
+      header.channels.push_back(
+          {(group == 1 ? "reference" : "reference_variance") + std::string(component), group,
+           format::DataType::kFloat32, 1, format::Scope::kPixel});
+  SPOOL_ASSIGN(auto writer,
+               format::SpoolWriter::create(folder / "r.spool", header, {.force = true}));
+  for (const std::uint32_t tile : {0u, 1u}) {
+    const std::size_t pixels = tile == 0 ? 24 : 6;
+    write_block(writer, 0, tile, 0, 2, std::vector<float>(3 * pixels * 2, 1.0f));
+    write_block(writer, 0, tile, 2, 1, std::vector<float>(3 * pixels, 1.0f));
+    write_block(writer, 1, tile, 0, 1, std::vector<float>(3 * pixels, reference));
+    write_block(writer, 2, tile, 0, 1, std::vector<float>(3 * pixels, variance));
+  }
+  SPOOL_TRY(writer.finish());
+  return load_recording(folder / "r.spool").map([](const auto&) {});
+}
+
+TEST(LoadRecording, AReferenceThatCannotJudgeIsRefusedWithItsPixel) {
+  const ScratchFolder folder;
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(loaded_with(folder, 1.0f, 0.0f).has_value());
+  for (const auto& [reference, variance, words] :
+       {std::tuple(1.0f, -0.5f, "reference_variance: pixel 0,0: -0.5 is no variance"),
+        {1.0f, kNaN, "reference_variance: pixel 0,0: nan is no variance"},
+        {1.0f, std::numeric_limits<float>::infinity(), "inf is no variance"},
+        {kNaN, 0.0f, "reference: no pixel is finite"}}) {
+    const auto loaded = loaded_with(folder, reference, variance);
+    ASSERT_FALSE(loaded.has_value()) << words;
+    EXPECT_EQ(loaded.error().code, ErrorCode::kData);
+    EXPECT_NE(loaded.error().message.find(words), std::string::npos) << loaded.error().message;
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
+#include "lib/pool/reference_check.h"
 #include "tools/json/answers_json.h"
 #include "tools/verbs/mask_files.h"
 #include "tools/verbs/picture_name.h"
@@ -17,19 +18,6 @@ Result<ForeignPicture> read_variance(const std::filesystem::path& path, const Ne
   auto layer = read_picture(path, {"variance", "", "", ""}, size);
   if (layer || layer.error().code != ErrorCode::kUsage) return layer;
   return read_picture(path, kNoLayerOption, size);
-}
-
-// kData where the reference is finite and its variance is none.
-Result<void> check_variance(const RgbImage& variance, const RgbImage& mean,
-                            const std::string& name) {
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < mean[c].size(); ++i)
-      if (std::isfinite(mean[c][i]) && !(variance[c][i] >= 0.0 && std::isfinite(variance[c][i])))
-        return fail(ErrorCode::kData,
-                    "{}: pixel {},{}: {} is no variance: give the variance of the reference's mean",
-                    name, i % static_cast<std::size_t>(mean[c].width()),
-                    i / static_cast<std::size_t>(mean[c].width()), variance[c][i]);
-  return {};
 }
 
 struct JudgedPictures {

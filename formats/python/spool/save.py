@@ -1,4 +1,6 @@
 """One call from arrays to a complete `.spool` file."""
+import numpy as np
+
 from .arguments import array, mapping, note_axes
 from .arguments import path as path_of
 from .channel import VOCABULARY
@@ -17,7 +19,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     leave out its axis. `reference`, `reference_variance` and `sample_variance` have scope pixel, every other layer has
     scope sample unless `scope` says otherwise: scope={"film": "pass"}. Components come from the specification's list of
     layers, or from `components`: {"half_vector": "XYZ"}. float64 is rounded to float32; `dtypes` asks for another:
-    {"albedo": "f2"}.
+    {"albedo": "f2"}. A `reference_variance` that is below 0 or not finite where the reference is, is an error.
     """
     path = path_of("path", path)
     components, scope, dtypes = (mapping(name, {} if given is None else given) for name, given in
@@ -29,6 +31,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     for name in {**components, **scope, **dtypes}:
         if name not in arrays:
             raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")
+    _check_variance(path, arrays)
     height, width, spp, _ = arrays["radiance"].shape
     declared = {}
     for name, values in arrays.items():
@@ -47,6 +50,20 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
             if error.kind == "usage":  # of the arrays, which are all still there
                 writer.discard()
             raise
+
+
+def _check_variance(path, arrays):
+    """Errors are debiased by it: one that is none would make them wrong."""
+    variance, mean = arrays.get("reference_variance"), arrays.get("reference")
+    if variance is None or variance.ndim != 3:  # its shape is refused later
+        return
+    judges = np.ones(variance.shape, bool) if mean is None or mean.shape != variance.shape else np.isfinite(mean)
+    with np.errstate(invalid="ignore"):
+        wrong = np.argwhere(judges & ~((variance >= 0) & np.isfinite(variance)))
+    if len(wrong):
+        y, x, *_ = wrong[0]
+        raise SpoolError("usage", f"{path}: reference_variance of pixel {x},{y} is {variance[tuple(wrong[0])]}: "
+                                  "a variance is finite and at least 0")
 
 
 def _write_all(writer, arrays, declared):
