@@ -1,40 +1,65 @@
 """What decides what a Python function does, as a short hash: results of a function are kept by it."""
 from __future__ import annotations
 
+import functools
 import hashlib
 import inspect
+import operator
 import os
 import pickle
+import sys
 import types
 
 _HERE = os.urandom(8)  # of this process: an object that has no lasting description is itself only here
+_PLAIN = frozenset({type(None), bool, int, float, complex, str, bytes, list, tuple, dict})  # as pickle has them
+_AROUND = (staticmethod, classmethod, property, functools.cached_property, type(functools.lru_cache(len)))  # functions
+_INSIDE = ("__func__", "fget", "fset", "fdel", "func", "__wrapped__")  # where each of these has them
 
 
 def hash_of(function: types.FunctionType | types.MethodType, settings: object = ()) -> str:
-    """Eight hex digits of its text, its defaults and the values that it takes from around it, functions of the same file
-    with theirs, and of `settings`. Other files' functions count by name; files that it reads are not looked at."""
+    """Eight hex digits of its text, its defaults and the values that it takes from around it, of `settings`, and of functions
+    and classes of the same file that it reaches in any of these. Those of other files count by name; files that it reads
+    are not looked at."""
     digest = hashlib.sha256()
-    _add(settings, digest, set())
-    _add_function(function, digest, set())
+    _add(settings, digest, {}, None)
+    _add_function(function, digest, {})
     return digest.hexdigest()[:8]
 
 
 def _add_function(function, digest, known):
     if isinstance(function, types.MethodType):
-        _add(function.__self__, digest, known)
+        _add(function.__self__, digest, known, function.__module__)
         function = function.__func__
-    if function in known:
+    if _is_known(function, digest, known):
         return
-    known.add(function)
     digest.update(_text_of(function).encode())
-    _add(function.__defaults__, digest, known)
-    _add(function.__kwdefaults__, digest, known)
+    _add(function.__defaults__, digest, known, function.__module__)
+    _add(function.__kwdefaults__, digest, known, function.__module__)
     for name, value in _taken(function):
         digest.update(f"\0{name}=".encode())
-        if isinstance(value, types.FunctionType) and value.__module__ == function.__module__:
-            _add_function(value, digest, known)
-        else:
-            _add(value, digest, known)
+        _add(value, digest, known, function.__module__)
+
+
+def _add_class(made, digest, known):
+    """By what stands in it: its source would not hold what its methods take from around them."""
+    if _is_known(made, digest, known):
+        return
+    digest.update(made.__qualname__.encode())
+    _add((type(made), made.__bases__), digest, known, made.__module__)
+    for name, value in sorted(vars(made).items()):
+        # Python's own notes, some of which have no lasting description.
+        if name != "_abc_impl" and (not name.startswith("__") or isinstance(value, (types.FunctionType, *_AROUND))):
+            digest.update(f"\0{name}=".encode())
+            _add(value, digest, known, made.__module__)
+
+
+def _is_known(value, digest, known):
+    """Described before, or being described: then it counts by its place among those."""
+    if id(value) in known:
+        digest.update(b"\0%d" % known[id(value)][0])
+        return True
+    known[id(value)] = len(known), value  # held, so that no other gets its id
+    return False
 
 
 def _taken(function):
@@ -55,21 +80,53 @@ def _names_in(code):
     return {*code.co_names, *(name for part in inner for name in _names_in(part))}
 
 
-def _add(value, digest, known):
-    if isinstance(value, types.ModuleType):
-        digest.update(value.__name__.encode())
-    elif (inner := getattr(value, "function", None)) is not None and isinstance(inner, types.FunctionType):
-        _add_function(inner, digest, known)  # one that is a method
-    else:
-        try:
-            pickle.Pickler(_Sink(digest), protocol=4).dump(value)
-        except Exception:  # noqa: BLE001 - whatever its __reduce__ raises
-            digest.update(_HERE + str(id(value)).encode())
+def _add(value, digest, known, module):
+    """`module`: functions and classes of it count by what they do."""
+    try:
+        if isinstance(value, types.ModuleType):
+            digest.update(value.__name__.encode())
+        elif isinstance(value, types.FunctionType) and _is_of(value, module):
+            _add_function(value, digest, known)
+        elif isinstance(value, type) and _is_of(value, module):
+            _add_class(value, digest, known)
+        else:
+            _Description(digest, known, module).dump(value)
+    except Exception:  # noqa: BLE001 - whatever its __reduce__ raises
+        digest.update(_HERE + str(id(value)).encode())
 
 
-class _Sink:
-    def __init__(self, digest):
-        self.write = digest.update
+def _is_of(value, module):
+    """Of this module, or not to be found by its name in its own."""
+    try:
+        return value.__module__ == module or operator.attrgetter(value.__qualname__)(sys.modules[value.__module__]) is not value
+    except (AttributeError, KeyError):
+        return True
+
+
+class _Description(pickle.Pickler):
+    """A value as pickle has it, but for what pickle names only or writes in an order of this process."""
+
+    def __init__(self, digest, known, module):
+        super().__init__(types.SimpleNamespace(write=digest.update), protocol=4)
+        self._known, self._module = known, module
+
+    def persistent_id(self, value):
+        if type(value) in _PLAIN:
+            return None
+        if isinstance(value, (set, frozenset)):
+            return type(value).__qualname__, sorted(value, key=_order)
+        if isinstance(value, _AROUND):
+            return type(value).__qualname__, [getattr(value, name, None) for name in _INSIDE]
+        if isinstance(value, types.ModuleType) or isinstance(value, (types.FunctionType, type)) and _is_of(value, self._module):
+            part = hashlib.sha256()
+            _add(value, part, self._known, self._module)
+            return part.digest()
+        return None
+
+
+def _order(member):
+    """By which members of a set are sorted: their hashes are others in each process."""
+    return f"{sorted(map(_order, member))}" if isinstance(member, (set, frozenset)) else repr(member)
 
 
 def _text_of(function):
@@ -83,5 +140,5 @@ def _text_of(function):
 
 
 def _code_text(code):
-    parts = [_code_text(part) if isinstance(part, types.CodeType) else repr(part) for part in code.co_consts]
+    parts = [_code_text(part) if isinstance(part, types.CodeType) else _order(part) for part in code.co_consts]
     return f"{code.co_code.hex()} {parts} {code.co_names}"

@@ -1,0 +1,63 @@
+"""What a function of one's own does is known by its name in every process, and so is what else it reaches in its file."""
+import os
+import subprocess
+import sys
+
+import pytest
+
+# A module with a filter for each: what stands in it beside the filter, and what the filter answers.
+REACHED = {
+    "object": ("class Scale:\n    def f(self, m): return m * FACTOR", "Scale().f(s.mean)"),
+    "kept object": ("class Scale:\n    def f(self, m): return m * FACTOR\nscale = Scale()", "scale.f(s.mean)"),
+    "bound method": ("class Scale:\n    def f(self, m): return m * FACTOR\nscale = Scale().f", "scale(s.mean)"),
+    "static method": ("class Scale:\n    @staticmethod\n    def f(m): return m * FACTOR", "Scale.f(s.mean)"),
+    "class method": ("class Scale:\n    @classmethod\n    def f(cls, m): return m * FACTOR", "Scale.f(s.mean)"),
+    "property": ("class Scale:\n    @property\n    def f(self): return FACTOR", "s.mean * Scale().f"),
+    "cached property": ("class Scale:\n    @functools.cached_property\n    def f(self): return FACTOR", "s.mean * Scale().f"),
+    "value of a class": ("class Scale:\n    f = FACTOR", "s.mean * Scale.f"),
+    "inherited": ("class Base:\n    def f(self, m): return m * FACTOR\nclass Scale(Base): pass", "Scale().f(s.mean)"),
+    "metaclass": ("class Meta(type):\n    def f(cls, m): return m * FACTOR\nclass Scale(metaclass=Meta): pass", "Scale.f(s.mean)"),
+    "dataclass": ("@dataclasses.dataclass\nclass Scale:\n    a: float = 1.0\n    b: list = dataclasses.field(default_factory=list)\n"
+                  "    def f(self, m): return m * FACTOR", "Scale().f(s.mean)"),
+    "abstract": ("class Scale(abc.ABC):\n    __slots__ = ('a',)\n    def f(self, m): return m * FACTOR", "Scale().f(s.mean)"),
+    "enumeration": ("class Scale(enum.Enum):\n    A = FACTOR", "s.mean * Scale.A.value"),
+    "named tuple": ("class Scale(typing.NamedTuple):\n    a: int = FACTOR", "s.mean * Scale().a"),
+    "cached": ("@functools.lru_cache\ndef scale(): return FACTOR", "s.mean * scale()"),
+    "partial": ("def by(f, m): return m * FACTOR * f\nscale = functools.partial(by, 1)", "scale(s.mean)"),
+    "dict": ("def by(m): return m * FACTOR\nscale = {'a': [by]}", "scale['a'][0](s.mean)"),
+    "set": ("def by(m): return m * FACTOR\ndef other(m): return by(m)\nscale = {by, other}", "[f(s.mean) for f in scale][0]"),
+    "decorated": ("def twice(f): return functools.wraps(f)(lambda m: f(f(m)))\n@twice\ndef scale(m): return m * FACTOR", "scale(s.mean)"),
+    "closure": ("def made(f): return lambda m: m * f\nscale = [made(FACTOR)]", "scale[0](s.mean)"),
+    "own method": ("@spool.filter\ndef scale(s): return s.mean * FACTOR\nscales = [scale]", "scales[0](s)"),
+    "texts": ("names = {'albedo', 'normal', 'depth', str(FACTOR)}", "s.mean * len(names)"),
+    "sets of sets": ("names = [frozenset({frozenset({'a', 'b', str(FACTOR)}), frozenset({'c', 'd'})})]", "s.mean * len(names)"),
+    "constant of a lambda": ("scale = lambda m: m * FACTOR if 'a' in {'a', 'b', 'c', 'd'} else m", "scale(s.mean)"),
+    "circle": ("class Node:\n    def __init__(self, i): self.i, self.around = i, set()\n    def __repr__(self): return f'{self.i}'\n"
+               "nodes = [Node(i * FACTOR) for i in range(40)]\nfor n in nodes: n.around.update(nodes)", "s.mean * len(nodes)"),
+}
+
+
+def keys(folder, factor, seed):
+    """Of every module, in a process of its own."""
+    names = []
+    for i, (beside, answer) in enumerate(REACHED.values()):
+        names.append(f"own_{i}")
+        (folder / f"own_{i}.py").write_text(f"import abc, dataclasses, enum, functools, typing\nimport spool\nFACTOR = {factor}\n{beside}\n"
+                                            f"@spool.filter\ndef filtered(s):\n    return {answer}\n")
+    shown = "import sys, importlib\nfor name in sys.argv[1:]: print(importlib.import_module(name).filtered.key)"
+    done = subprocess.run([sys.executable, "-c", shown, *names], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, "PYTHONHASHSEED": str(seed), "PYTHONPATH": os.pathsep.join([*sys.path, str(folder)])})
+    assert done.returncode == 0, done.stderr
+    return dict(zip(REACHED, done.stdout.split()))
+
+
+@pytest.fixture(scope="module")
+def known(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("modules")
+    return keys(folder, 2, 1), keys(folder, 2, 2), keys(folder, 3, 1)
+
+
+@pytest.mark.parametrize("name", REACHED)
+def test_what_a_function_reaches_in_its_file_counts_in_every_process(known, name):
+    first, again, other = known
+    assert first[name] == again[name] and first[name] != other[name]
