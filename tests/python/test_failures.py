@@ -1,6 +1,8 @@
 """Every failure is a SpoolError with the line and the exit code of the program."""
+import concurrent.futures
 import os
 import pickle
+import threading
 import warnings
 
 import numpy as np
@@ -90,6 +92,7 @@ def test_arrays():
 
 @pytest.mark.parametrize("answer, words", [
     (lambda s: np.full(s.n.shape, -1), "-1 is no number of samples"),
+    (lambda s: np.full(s.n.shape, 2**64 - 1, np.uint64), "18446744073709551615 is no number of samples \\(pixel 0, 0\\)"),
     (lambda s: np.ones((3, 3)), r"not \(3, 3\)"),
     (lambda s: "all", "answers with numbers"),
     (lambda s: 1 / 0, "ZeroDivisionError: division by zero"),
@@ -116,6 +119,24 @@ def test_what_a_method_raised_stands_behind_the_error(dump):
         spool.reconstruct(dump, None, spool.filter(lambda s: np.where([True, False, True], s.mean, np.nan)))
     with pytest.raises(spool.SpoolError, match="image"):
         spool.reconstruct(dump, None, spool.filter(lambda s: s.n))
+
+
+def test_each_call_has_the_cause_of_its_own_in_several_threads(dump):
+    together = threading.Barrier(4)
+
+    @spool.filter
+    def broken(statistics, number=0):
+        together.wait(10)
+        raise KeyError(number)
+
+    def cause(number):
+        with pytest.raises(spool.SpoolError) as caught:
+            spool.reconstruct(dump, None, broken, number=number)
+        return caught.value.__cause__
+
+    with concurrent.futures.ThreadPoolExecutor(4) as threads:
+        for number, raised in enumerate(threads.map(cause, range(4))):
+            assert isinstance(raised, KeyError) and raised.args == (number,) and raised.__traceback__.tb_next
 
 
 def test_options_of_functions(dump):

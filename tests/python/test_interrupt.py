@@ -132,6 +132,35 @@ def test_a_function_that_never_ends(large):
     interrupted(lambda: spool.evaluate({"recordings": [large], "spp": [4], "replicates": 1, "samplers": [endless], "filters": ["box"]}), 0.7)
 
 
+def test_a_function_that_waits_is_left_to_itself(large, tmp_path):
+    began, ended = [], []
+
+    def wait(statistics):
+        began.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+        try:
+            time.sleep(3)  # no exception reaches it there
+        finally:
+            ended.append(time.monotonic())
+        return statistics.mean
+
+    def files():
+        return [(path, path.stat().st_mtime_ns) for path in sorted(tmp_path.rglob("*"))]
+
+    waiting, waiting_too = spool.filter(wait), spool.sampler(lambda statistics: wait(statistics)[..., 0])
+    plan = {"recordings": [large], "spp": [4], "replicates": 2, "samplers": ["uniform"], "filters": ["box", waiting]}
+    for call in (lambda: spool.reconstruct(large, None, waiting), lambda: spool.replay(large, waiting_too, 4),
+                 lambda: spool.evaluate(plan, output=tmp_path / "kept")):
+        with pytest.raises(KeyboardInterrupt):
+            call()
+        assert time.monotonic() - began[-1] < 1.0 * int(os.environ.get("SPOOL_TIMEOUT_FACTOR", "1"))
+    kept = files()
+    while len(ended) < len(began):
+        time.sleep(0.1)
+    time.sleep(0.2)
+    assert len(began) == 3 and kept and files() == kept
+
+
 @pytest.mark.parametrize("raised", [KeyboardInterrupt("mine"), SystemExit(3), GeneratorExit()])
 def test_what_is_no_failure_stays_what_it_is(large, raised):
     @spool.sampler
@@ -183,7 +212,7 @@ def test_calls_that_ask_for_themselves_by_other_threads_come_to_an_end():
 
     assert (spool.reconstruct(recording, None, itself) == 1).all()
     (line, tasks), = deepest
-    assert "256 calls have not returned" in line and tasks < 700
+    assert "256 calls have not returned" in line and tasks < 900
     assert (spool.reconstruct(recording, None, "box") == 1).all()
 
 

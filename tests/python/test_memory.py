@@ -3,6 +3,7 @@ import os
 import re
 import subprocess
 import sys
+import weakref
 
 import numpy as np
 import pytest
@@ -115,6 +116,26 @@ def test_a_mapped_file_that_is_rewritten_in_place(tmp_path, value):
             if not one["argument"] and name != "oidn":
                 with pytest.raises(spool.SpoolError, match="overwritten|does not match its checksum"):
                     spool.reconstruct(dump, chosen, name)
+
+
+def test_a_function_that_nobody_holds_is_freed():
+    recording = spool.recording(np.ones((4, 4, 2, 3)))
+
+    def made():
+        held = np.ones(3)
+        return spool.filter(lambda statistics: statistics.mean * held, label="own"), weakref.ref(held)
+
+    for call in (lambda own: spool.reconstruct(recording, None, own),
+                 lambda own: spool.evaluate({"recordings": [recording], "spp": [1], "replicates": 1, "samplers": ["uniform"], "filters": [own]})):
+        own, held = made()
+        twin, held_too = made()  # of the same name
+        call(own), call(twin)
+        del own
+        call(twin)
+        del twin
+        assert held() is None and held_too() is None
+    chosen = spool.replay(recording, spool.sampler(lambda statistics: statistics.n), 1)
+    assert list(chosen.views) == ["n"]  # it runs again
 
 
 def test_a_view_outlives_what_it_came_from():

@@ -15,6 +15,7 @@
 #include "lib/statistics/transformed_moments.h"
 #include "tools/methods/called_methods.h"
 #include "tools/python/arrays.h"
+#include "tools/python/left_alone.h"
 #include "tools/python/running.h"
 
 namespace spool::python {
@@ -48,27 +49,13 @@ Error error_of(const std::string& name, nb::python_error& error, Watch* watch) {
     throw WorkStopped{};
   }
   const std::string type = text_of(error.type().attr("__name__"));
+  const std::string begin = fmt::format("python:{}: ", name);
   const bool own = type == "SpoolError";
-  return fail(own ? ErrorCode::kUsage : ErrorCode::kData, "python:{}: {}{}", name,
-              own ? "" : type + ": ", text_of(error.value()))
+  if (watch != nullptr) watch->failures.try_emplace(begin, error);
+  return fail(own ? ErrorCode::kUsage : ErrorCode::kData, "{}{}{}", begin, own ? "" : type + ": ",
+              text_of(error.value()))
       .value();
 }
-
-// A function of one's own is at work in this thread.
-class CallbackScope {
- public:
-  explicit CallbackScope(Watch* watch) : watch_(watch) {
-    if (watch_ != nullptr) watch_->enter_callback();
-  }
-  CallbackScope(const CallbackScope&) = delete;
-  CallbackScope& operator=(const CallbackScope&) = delete;
-  ~CallbackScope() {
-    if (watch_ != nullptr) watch_->leave_callback();
-  }
-
- private:
-  Watch* watch_;
-};
 
 // `work` with the interpreter's lock; what it raises becomes the error of the method.
 template <class Work>
@@ -77,7 +64,6 @@ auto with_python(const std::string& name, Watch* watch, Work&& work) -> decltype
   survive_the_end([&] {
     const nb::gil_scoped_acquire lock;
     try {
-      const CallbackScope callback(watch);
       result = work();
     } catch (nb::python_error& error) {
       result = tl::unexpected<Error>(error_of(name, error, watch));
@@ -210,8 +196,8 @@ Result<CountImage> ask(const CalledFunction& called, const CountQuestion& questi
     told["budget_left"] = question.left;
     told["share"] = question.share;
     told["seed"] = question.seed;
-    const nb::object answer = called.function->attr("ask")(told);
-    return answer_of(answer, question, called.name);
+    return answer_of(answer_to(std::move(told), *called.function, called.watch), question,
+                     called.name);
   });
 }
 
@@ -230,8 +216,8 @@ Result<ReadySampler> sampler_of(const CalledFunction& called) {
 
 Result<RgbImage> image_of(const CalledFunction& called, const Known& known, const CountImage& n) {
   return with_python(called.name, called.watch.get(), [&]() -> Result<RgbImage> {
-    const nb::object answer = called.function->attr("ask")(to_python(known, n));
-    return rgb_from_numpy(nb::cast<ImageArray>(answer));
+    return rgb_from_numpy(
+        nb::cast<ImageArray>(answer_to(to_python(known, n), *called.function, called.watch)));
   });
 }
 

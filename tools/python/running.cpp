@@ -12,7 +12,6 @@
 #include <fmt/core.h>
 
 #include "lib/core/visible_text.h"
-#include "tools/python/workers.h"
 #include "tools/verbs/option_bounds.h"
 
 namespace spool::python {
@@ -86,12 +85,13 @@ void Watch::interrupt_callbacks() {
     PyThreadState_SetAsyncExc(thread, PyExc_KeyboardInterrupt);
 }
 
-void raise(const Error& error) {
+void raise(const Error& error, const nb::object& cause) {
   const nb::object type = nb::module_::import_("spool.error").attr("SpoolError");
   const std::string line = visible_text(one_line(
       error.message.size() <= kLongestLine ? error.message
                                            : error.message.substr(0, kLongestLine) + " ..."));
   const nb::object exception = type.attr("of_code")(static_cast<int>(error.code), line);
+  if (!cause.is_none()) exception.attr("__cause__") = cause;
   PyErr_SetObject(type.ptr(), exception.ptr());
   throw nb::python_error();
 }
@@ -104,6 +104,16 @@ __attribute__((no_sanitize("undefined"))) void survive_the_end(const std::functi
     while (true)
       ::pause();
   }
+}
+
+bool wait_for(Job& job, std::chrono::milliseconds time) {
+  bool ended = false;
+  survive_the_end([&] {
+    PyThreadState* const thread = PyEval_SaveThread();
+    ended = job.wait_for(time);
+    PyEval_RestoreThread(thread);
+  });
+  return ended;
 }
 
 // One call of a function of this module, from its begin to its end.
@@ -126,23 +136,20 @@ class WatchedCall {
       outcome = guarded(work, *watch_, watch_->work_, threads);
       t_watch.reset();
     });
-    while (!wait(*job))
+    while (!wait_for(*job, kBetweenLooks))
       look(progress);
     if (wanted_) throw std::move(*wanted_);
     if (watch_->raised) throw std::move(*watch_->raised);
-    if (!outcome) raise(outcome.error());
+    if (!outcome) raise(outcome.error(), cause_of(outcome.error()));
     if (!progress.is_none()) progress(1.0, watch_->of(), watch_->of());
   }
 
  private:
-  bool wait(Job& job) {
-    bool ended = false;
-    survive_the_end([&] {
-      PyThreadState* const thread = PyEval_SaveThread();
-      ended = job.wait_for(kBetweenLooks);
-      PyEval_RestoreThread(thread);
-    });
-    return ended;
+  nb::object cause_of(const Error& error) const {
+    for (const auto& [begin, raised] : watch_->failures) {
+      if (error.message.find(begin) != std::string::npos) return nb::borrow(raised.value());
+    }
+    return nb::none();
   }
 
   // Each signal interrupts once more: a function may have caught the last one.

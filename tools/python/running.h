@@ -1,20 +1,24 @@
 // Long work away from the interpreter: without its lock, on a thread of its own, while the thread
 // that asked for it looks for signals. Ctrl-C ends it in the middle of its parallel loops, and a
-// function of one's own where it stands.
+// function of one's own where it stands, or is left to itself (left_alone.h).
 #pragma once
 
 #include <nanobind/nanobind.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "lib/core/error.h"
 #include "lib/core/parallel.h"
+#include "tools/python/workers.h"
 
 namespace spool::python {
 
@@ -46,6 +50,8 @@ class Watch : public std::enable_shared_from_this<Watch> {
   void interrupt_callbacks();
   // What a function raised that is no failure of its method (KeyboardInterrupt, SystemExit).
   std::optional<nb::python_error> raised;
+  // What each method raised first, by its beginning of the line that became of it.
+  std::map<std::string, nb::python_error> failures;
 
  private:
   friend class WatchedCall;
@@ -59,13 +65,16 @@ class Watch : public std::enable_shared_from_this<Watch> {
   std::atomic<std::size_t> done_ = 0, of_ = 0;
 };
 
-// Raises spool.SpoolError with the line that the program would print.
-[[noreturn]] void raise(const Error& error);
+// Raises spool.SpoolError with the line that the program would print; `cause` stands behind it.
+[[noreturn]] void raise(const Error& error, const nb::object& cause = nb::none());
 
 // A thread that wants the interpreter's lock after the interpreter's end is ended by Python (before
 // 3.14), through frames of C++ that do not bear it: from here it waits for the end of the process.
 // `work` takes the lock, or keeps it.
 void survive_the_end(const std::function<void()>& work);
+
+// Job::wait_for without the interpreter's lock, which this thread has.
+bool wait_for(Job& job, std::chrono::milliseconds time);
 
 // Ends all work and waits for it, some seconds at most; from the interpreter's `atexit`.
 void end_all_work();

@@ -14,7 +14,7 @@ from .arguments import flag, path, text, wrong
 from .cells import results_html
 from .error import SpoolError, open_regular
 from .executors import Plan, spread
-from .own_methods import Method, failure_shown
+from .own_methods import Method
 from .plan_text import plan_text
 from .recordings import Dump, Recording, recording_of
 from .save import write
@@ -45,11 +45,10 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
             plan = {"pictures": False, **plan}  # they would not be looked at
         written, name, beside = _text_of(plan, scratch)
         # Results that are there are kept, whatever the rest of the plan did.
-        with failure_shown(*_functions_of(plan)):
-            if executor is None:
-                _core.evaluate(written, name, beside, place, *switches, None, False, 0, progress)
-            else:
-                spread(executor, Plan(written, name, beside, switches[1]), place, switches[0], progress)
+        if executor is None:
+            _core.evaluate(written, name, beside, place, *switches, None, False, 0, progress)
+        else:
+            spread(executor, Plan(written, name, beside, switches[1]), place, switches[0], progress)
     return Results(place, folder)
 
 

@@ -2,8 +2,8 @@
 from __future__ import annotations
 
 import atexit
-import contextlib
 import inspect
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -15,7 +15,7 @@ from .error import SpoolError
 from .function_identity import hash_of
 
 _OF_THE_STAGE = {"filter": ("clamp", "energy"), "sampler": ()}  # options that every one has, handled by the library
-_MADE = {}  # by kind and key: how the library finds the function of a name that it was given
+_MADE = weakref.WeakKeyDictionary()  # the names of a method, by which the library finds it while a call holds it
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Method:
     def __init__(self, function, kind, init_spp, rounds, features, moments, label):
         if not callable(function) or not hasattr(function, "__code__"):
             raise wrong(f"spool.{kind}", function, "no function")
-        self.function, self.kind, self.raised = function, kind, None
+        self.function, self.kind = function, kind
         self.label = function.__name__ if label is None else text("label", label)
         # As the program writes them; what each may be stands in the library's table.
         self.texts = {"features": option_text(flag("features", features))}
@@ -63,7 +63,6 @@ class Method:
             if name in (*self.texts, "moments", *_OF_THE_STAGE[kind]):
                 raise SpoolError("usage", f"{self.label}: every {kind} has an option {name} already: name yours otherwise")
         _core.check_called_options(self.with_options({}))
-        _MADE[kind, self.key] = self
         self.__doc__ = function.__doc__
 
     @property
@@ -78,7 +77,7 @@ class Method:
     def __repr__(self):
         return f"<spool.{self.kind} {self.label}>"
 
-    def with_options(self, texts, key=""):
+    def with_options(self, texts):
         """Ready to be called, with its options as texts."""
         given = dict(texts)
         own = {name: given.pop(name, value) for name, value in self.texts.items()}
@@ -89,7 +88,7 @@ class Method:
                 known = ", ".join([*own, "moments", *options])
                 raise SpoolError("usage", f"option {name}: unknown: it has {known}")
             options[name] = _value_of(name, value, options[name])
-        return _Ready(self, options, own, moments, key)
+        return _Ready(self, options, own, moments)
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,6 @@ class _Ready:
     options: dict
     texts: dict
     moments: list
-    key: str
 
     def ask(self, told):
         """What the module calls: the arrays of Statistics in, wants [y][x] or an image [y][x][3] out."""
@@ -108,8 +106,7 @@ class _Ready:
         try:
             answer = self.method.function(statistics, **self.options)
             return _wants(answer, statistics) if self.method.kind == "sampler" else _image(answer, statistics)
-        except BaseException as reason:
-            self.method.raised = self.key, reason  # for failure_shown: the library hands on a line of text only
+        except BaseException:  # noqa: TRY203 - Python before 3.12 makes an object of what the module is to keep only here
             raise
 
 
@@ -143,7 +140,7 @@ def method_text(kind: str, method: str | Method) -> str:
         if method.kind != kind:
             raise SpoolError("usage", f"{kind}: {method!r} is a {method.kind}")
         key = method.key
-        _MADE[kind, key] = method
+        _MADE.setdefault(method, set()).add(key)
         return f"python:{key}"
     if callable(method):
         name = getattr(method, "__name__", None) or type(method).__name__
@@ -154,27 +151,12 @@ def method_text(kind: str, method: str | Method) -> str:
     return text(kind, method)
 
 
-@contextlib.contextmanager
-def failure_shown(*methods):
-    """What a function of one's own raised stands behind the error that it became."""
-    own = [method for method in methods if isinstance(method, Method)]
-    if not own:
-        yield
-        return
-    try:
-        yield
-    except SpoolError as error:
-        found = [method.raised[1] for method in own if method.raised and f"python:{method.raised[0]}:" in error.message]
-        raise error from (found[0] if found else None)
-    finally:
-        for method in own:
-            method.raised = None
-
-
 def _look_up(kind, key, texts):
-    if (kind, key) not in _MADE:
-        raise SpoolError("usage", f"no {kind} of that name was made here: decorate it with @spool.{kind} first")
-    return _MADE[kind, key].with_options(texts, key)
+    for held in _MADE.keyrefs():
+        method = held()
+        if method is not None and method.kind == kind and key in _MADE[method]:
+            return method.with_options(texts)
+    raise SpoolError("usage", f"no {kind} of that name was made here: decorate it with @spool.{kind} first")
 
 
 def _wants(answer, statistics):
@@ -186,13 +168,18 @@ def _wants(answer, statistics):
     if answer.shape != statistics.n.shape:
         raise ValueError(f"a sampler answers with shape {statistics.n.shape}, not {answer.shape}")
     if answer.dtype.kind != "f":
+        _check(answer <= 2**62, answer, "no number of samples")  # unsigned ones would turn negative
         return np.ascontiguousarray(answer, np.int64)
     weights = np.ascontiguousarray(answer, np.float64)
-    odd = np.argwhere(~(np.isfinite(weights) & (weights >= 0)))
+    _check(np.isfinite(weights) & (weights >= 0), weights, "no weight", ": each is finite and not below 0")
+    return weights
+
+
+def _check(right, values, what, remedy=""):
+    odd = np.argwhere(~right)
     if len(odd):
         y, x = odd[0]
-        raise ValueError(f"{weights[y, x]} is no weight (pixel {x}, {y}): each is finite and not below 0")
-    return weights
+        raise ValueError(f"{values[y, x]} is {what} (pixel {x}, {y}){remedy}")
 
 
 def _image(answer, statistics):

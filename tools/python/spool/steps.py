@@ -15,7 +15,7 @@ from .arguments import whole as whole_number
 from .cells import density_html, reconstruction_html
 from .error import SpoolError
 from .images import Image
-from .own_methods import Method, failure_shown, method_text
+from .own_methods import Method, method_text
 from .recordings import Samples, recording_of
 
 _Step = TypeVar("_Step", bound=Callable)
@@ -55,9 +55,8 @@ def replay(samples: Samples, sampler: str | Method, spp: float, *, seed: int = 0
               flag("decision_split", decision_split))
     limit = whole_number("threads", threads)
 
-    def run(wanted):
-        with failure_shown(sampler, filter):
-            return _core.replay(recording.source, *before, ",".join(wanted), limit)
+    def run(wanted, held=(sampler, filter)):  # functions are found while they are held
+        return _core.replay(recording.source, *before, ",".join(wanted), limit)
 
     drawn = {"spp": spp, "seed": seed, "order": order, "holdout": holdout, "pieces": pieces}
     return Selection(recording, run, texts("views", () if views is None else views), drawn)
@@ -134,8 +133,7 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
     arguments = (*chosen, whole_number("spp", spp), text("preset", preset), settings("filter", options, pool),
                  *_pool(order, seed, holdout, pieces), ",".join(texts("views", views)), whole_number("threads", threads))
     everything = flag("whole", whole)
-    with failure_shown(filter):
-        made = _core.reconstruct(recording.source, method_text("filter", filter), *arguments)
+    made = _core.reconstruct(recording.source, method_text("filter", filter), *arguments)
     image = made.image().view(Image)
     if not everything:
         return image
