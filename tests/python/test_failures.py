@@ -223,6 +223,19 @@ def test_what_is_no_file_is_neither_waited_for_nor_replaced(tmp_path):
     assert fifo.is_fifo() and len(list(tmp_path.iterdir())) == 1
 
 
+def test_a_name_that_is_no_utf_8(path):
+    other = os.path.join(path.parent, os.fsdecode(b"n\xff.spool"))
+    os.rename(path, other)
+    dump = spool.open(other)
+    chosen = spool.replay(dump, "uniform", 4)
+    assert spool.reconstruct(other, chosen, "box").shape == (dump.height, dump.width, 3)
+    assert all("n" in shown for shown in (repr(chosen), dump._repr_html_(), spool.view(dump, spp=[2]).html))
+    os.rename(other, path)
+    for call in (lambda: spool.replay(other, "uniform", 4), lambda: spool.evaluate({"recordings": [other], "spp": [4]}), lambda: spool.synth("slanted_edge", path=other)):
+        with pytest.raises(spool.SpoolError, match="xff|udcff"):
+            call()
+
+
 def test_a_closed_recording(path):
     dump = spool.open(path)
     dump.close()

@@ -50,6 +50,18 @@ def test_evaluate_goes_on_afterwards(large, tmp_path):
         spool.evaluate({**plan, "replicates": 1, "spp": [2]}, output=tmp_path / "kept")
 
 
+def test_evaluate_of_arrays_goes_on_afterwards(tmp_path):
+    def evaluated(random):
+        samples = np.random.default_rng(random).random((8, 8, 4, 3))
+        return spool.evaluate({"recordings": [samples, spool.recording(samples, albedo=samples, reference=samples[:, :, 0])], "spp": [2],
+                               "replicates": 1, "samplers": ["uniform"], "filters": ["box"]}, output=tmp_path / "kept").rows
+
+    first, again = evaluated(1), evaluated(1)
+    assert len(first) == 2 and [{**row, "dump_path": ""} for row in first] == [{**row, "dump_path": ""} for row in again]
+    with pytest.raises(spool.SpoolError, match="is not the recording"):
+        evaluated(2)
+
+
 def test_a_sampler_in_python(large):
     @spool.sampler(rounds=1000, init_spp=1)
     def slow(statistics):

@@ -118,7 +118,22 @@ def test_a_mapped_file_that_is_rewritten_in_place(tmp_path, value):
                     spool.reconstruct(dump, chosen, name)
 
 
-def test_a_function_that_nobody_holds_is_freed():
+def test_a_file_that_another_took_the_name_of(tmp_path):
+    """numpy has the file that was opened, and the library takes no other for it."""
+    for name, value in ("a", 1), ("b", 2):
+        spool.write(tmp_path / f"{name}.spool", radiance=np.full((4, 5, 4, 3), value, "f4"), sample_order="exchangeable")
+    plan = {"samplers": ["uniform"], "filters": ["box"], "spp": [2], "replicates": 1}
+    with spool.open(tmp_path / "a.spool") as dump, spool.open(tmp_path / "a.spool") as loaded:
+        chosen = spool.replay(loaded, "uniform", 2)
+        os.replace(tmp_path / "b.spool", tmp_path / "a.spool")
+        assert dump.read("radiance").max() == 1 and spool.reconstruct(loaded, chosen, "box").max() == 1
+        for call in (lambda: spool.replay(dump, "uniform", 2), lambda: spool.evaluate({"recordings": [dump], **plan}), dump._repr_html_):
+            with pytest.raises(spool.SpoolError, match=r"a\.spool: is not the file that was opened: open it again"):
+                call()
+    assert spool.replay(tmp_path / "a.spool", "uniform", 2).image.max() == 2
+
+
+def test_a_function_goes_with_the_last_that_holds_it():
     recording = spool.recording(np.ones((4, 4, 2, 3)))
 
     def made():

@@ -1,6 +1,7 @@
 #include "tools/python/showing.h"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -10,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -112,7 +114,7 @@ std::string statistics_json(const ImageArray& array) {
 using Rows = std::vector<std::vector<std::string>>;
 
 // Texts of a file may be no UTF-8.
-std::string facts_json(const std::string& path) {
+std::string facts_json(const std::filesystem::path& path) {
   return tools::json_text(
       run<Rows>([&](Watch&) { return tools::recording_facts(path); }, nb::none(), 0));
 }

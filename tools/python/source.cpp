@@ -1,5 +1,7 @@
 #include "tools/python/source.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 
 namespace spool::python {
@@ -80,6 +82,13 @@ Result<std::shared_ptr<const RecordedSamples>> recording_of(const SampleArrays& 
 
 }  // namespace
 
+Result<void> Source::is_that_file() const {
+  struct stat found{};
+  if (::stat(name_.c_str(), &found) == 0 && FileId{found.st_dev, found.st_ino} == opened_)
+    return {};
+  return fail(ErrorCode::kUsage, "{}: is not the file that was opened: open it again", name());
+}
+
 Result<std::shared_ptr<const RecordedSamples>> Source::load(const SanitiseRules& rules,
                                                             const WorkingMemory& work,
                                                             SampleFilm film) {
@@ -93,6 +102,7 @@ Result<std::shared_ptr<const RecordedSamples>> Source::load(const SanitiseRules&
   if (kept_.size() == kKept) kept_.erase(kept_.begin());
   SPOOL_ASSIGN(auto samples, arrays_ ? recording_of(*arrays_, name(), rules, film)
                                      : load_recording(name_, rules, work, film));
+  if (!arrays_) SPOOL_TRY(is_that_file());
   kept_.push_back({wanted, film, samples});
   return samples;
 }

@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -26,16 +27,24 @@ struct SampleArrays {
   bool exchangeable = true;
 };
 
+// A file on this machine, whatever its names.
+struct FileId {
+  std::uint64_t device, inode;
+  bool operator==(const FileId&) const = default;
+};
+
 class Source {
  public:
-  explicit Source(std::filesystem::path path) : name_(std::move(path)) {}
+  Source(std::filesystem::path path, FileId opened) : name_(std::move(path)), opened_(opened) {}
   Source(std::string name, SampleArrays arrays)
       : name_(std::move(name)), arrays_(std::move(arrays)) {}
 
-  // What load_recording() gives; the last two are kept. From any thread.
+  // What load_recording() gives; the last two are kept. From any thread. Error (kUsage): a file
+  // that is no longer the one that was opened.
   Result<std::shared_ptr<const RecordedSamples>> load(const SanitiseRules& rules,
                                                       const WorkingMemory& work, SampleFilm film);
   std::string name() const { return name_.string(); }
+  Result<void> is_that_file() const;  // of a file, not of arrays
 
  private:
   struct Loaded {
@@ -45,6 +54,7 @@ class Source {
   };
 
   std::filesystem::path name_;
+  FileId opened_{};
   std::optional<SampleArrays> arrays_;
   std::mutex mutex_;
   std::vector<Loaded> kept_;

@@ -1,5 +1,6 @@
 #include "tools/python/steps.h"
 
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -226,15 +227,25 @@ void make_array_source(Source* place, const std::string& name, const SampleArray
   new (place) Source(name, std::move(arrays));
 }
 
+// As Python has names of files: they may be no UTF-8.
+nb::object name_of(const Source& source) {
+  return nb::steal(PyUnicode_DecodeFSDefault(source.name().c_str()));
+}
+
 }  // namespace
 
 void bind_source(nb::module_& module) {
   nb::class_<Source>(module, "Source")
-      .def("__init__", [](Source* place, const std::string& path) { new (place) Source(path); })
+      .def("__init__", [](Source* place, const std::filesystem::path& path, std::uint64_t device,
+                          std::uint64_t inode) { new (place) Source(path, {device, inode}); })
       .def("__init__", &make_array_source, nb::arg("name"), nb::arg("radiance"),
            nb::arg("film").none(), nb::arg("features"), nb::arg("reference").none(),
            nb::arg("variance").none(), nb::arg("exchangeable"))
-      .def_prop_ro("name", &Source::name);
+      .def_prop_ro("name", &name_of)
+      .def("path", [](const Source& source) {
+        if (const auto same = source.is_that_file(); !same) raise(same.error());
+        return name_of(source);
+      });
 }
 
 void bind_replay(nb::module_& module) {

@@ -22,7 +22,8 @@ except ImportError:
 
 
 class RecordFile:
-    """entries: the index, one row per record before INDX; uuid, version; newer_minor: reserved bytes are ignored."""
+    """entries: the index, one row per record before INDX; uuid, version; newer_minor: reserved bytes are ignored; file_id:
+    what only this file has, whatever its name."""
 
     def __init__(self, path):
         self.path = path_of("path", path)
@@ -31,7 +32,8 @@ class RecordFile:
         self._file = None
         try:
             self._file = open_regular(self.path, buffering=0)
-            self.bytes = os.fstat(self._handle()).st_size
+            status = os.fstat(self._handle())
+            self.bytes, self.file_id = status.st_size, (status.st_dev, status.st_ino)
             self._open_header()
             self._open_footer()
             self._open_index()

@@ -3,11 +3,15 @@ from __future__ import annotations
 
 import concurrent.futures
 import functools
+import hashlib
 import itertools
 import json
 import os
 import tempfile
+import uuid
 from collections.abc import Callable
+
+import numpy as np
 
 from . import _core
 from .arguments import flag, path, text, wrong
@@ -135,15 +139,24 @@ def _path_of(item, scratch):
     if isinstance(item, (str, os.PathLike)):
         return os.path.abspath(text("recordings", path("recordings", item)))
     if isinstance(item, Dump):
-        return os.path.abspath(item.path)
+        return text("recordings", item.source.path())
     held = recording_of(item)
     assert isinstance(held, Recording)
     name = held.source.name
     taken = set(os.listdir(scratch))  # two of one name: NAME, NAME_2
     free = next(one for one in itertools.chain([name], (f"{name}_{i}" for i in itertools.count(2))) if f"{one}.spool" not in taken)
     place = os.path.join(scratch, f"{free}.spool")
-    write(place, sample_order=held.sample_order, **held.arrays)
+    write(place, sample_order=held.sample_order, uuid=_uuid_of(held), **held.arrays)
     return place
+
+
+def _uuid_of(held):
+    """Of its values: the same call goes on with the results of the last one."""
+    digest = hashlib.sha256(held.sample_order.encode())
+    for name, values in held.arrays.items():
+        digest.update(f"{name} {values.shape}".encode())
+        digest.update(np.moveaxis(values, 3, 0) if values.ndim == 4 else values)  # as it lies in memory
+    return uuid.UUID(bytes=digest.digest()[:16])
 
 
 def _check_executor(executor, plan):

@@ -24,10 +24,10 @@ class Dump(reader.Dump):
 
     def __init__(self, path):
         super().__init__(path)
-        self.source = _core.Source(os.path.abspath(self.path))
+        self.source = _core.Source(os.path.abspath(self.path), *self._records.file_id)
 
     def _repr_html_(self):
-        return recording_html(self, json.loads(_core.recording_facts(os.path.abspath(self.path))),
+        return recording_html(self, json.loads(_core.recording_facts(self.source.path())),
                               self.pixel("reference") if "reference" in self.layers else None)
 
 
