@@ -1,10 +1,28 @@
 """Images as the numpy module reads them: a file that names a chunk twice has lines that nothing filled."""
+import os
 import struct
 
 import numpy as np
 import pytest
 import spool
 import spool.exr
+
+
+def test_what_is_there_stays(tmp_path):
+    path, one, other = tmp_path / "a.exr", {"Y": np.ones((2, 3), "f4")}, {"Y": np.zeros((2, 3), "f4")}
+    (tmp_path / "a.exr.partial").write_bytes(b"of another program")
+    spool.exr.write(path, one)
+    with pytest.raises(spool.SpoolError, match=r"a\.exr: exists: choose another name or give force=True"):
+        spool.exr.write(path, other)
+    assert spool.exr.read(path)["Y"].all()
+    spool.exr.write(path, other, force=True)
+    assert not spool.exr.read(path)["Y"].any()
+    os.mkfifo(tmp_path / "fifo")
+    for name in ("fifo", "."):
+        with pytest.raises(spool.SpoolError, match="is no regular file: give the name of a file"):
+            spool.exr.write(tmp_path / name, one, force=True)
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["a.exr", "a.exr.partial", "fifo"]
+    assert (tmp_path / "fifo").is_fifo() and (tmp_path / "a.exr.partial").read_bytes() == b"of another program"
 
 
 @pytest.mark.parametrize("first, second", [(0, 0), (0, 2), (3, 3)])

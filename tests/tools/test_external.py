@@ -278,7 +278,7 @@ def test_counts_are_a_sampler(good, run, dump, tmp_path):
     replay(good, dump, "counts:mine.exr", spp=n.sum() / n.size)
     assert np.array_equal(counts(tmp_path), n)
     replay(run, dump, "counts:mine.exr", spp=3).failed_with(1, "counts:mine.exr", "--spp")
-    exr.write(tmp_path / "mine.exr", {"n": np.where(np.eye(20, 24) > 0, np.uint32(17), np.uint32(1))})
+    exr.write(tmp_path / "mine.exr", {"n": np.where(np.eye(20, 24) > 0, np.uint32(17), np.uint32(1))}, force=True)
     replay(run, dump, "counts:mine.exr", spp=16).failed_with(1, "counts:mine.exr", "outside 0 .. 16")
     replay(run, dump, "counts:none.exr").failed_with(3, "none.exr")
     replay(run, dump, "counts").failed_with(2, "counts:FILE.exr")

@@ -11,12 +11,13 @@ length of the file before anything is allocated.
 
 import contextlib
 import os
+import secrets
 import struct
 import zlib
 
 import numpy as np
 
-from .arguments import array
+from .arguments import array, flag
 from .error import SpoolError, open_regular
 
 MAGIC = 20000630
@@ -41,22 +42,28 @@ def read(path):
         raise SpoolError("invalid", f"{name}: not an OpenEXR image that spool writes ({error})") from error
 
 
-def write(path, channels):
-    """Arrays [y][x] of one shape: unsigned integers become uint, float16 half, all else float."""
+def write(path, channels, *, force=False):
+    """Arrays [y][x] of one shape: unsigned integers become uint, float16 half, all else float. A file that exists stays
+    unless `force`."""
+    final = os.fspath(path)
+    if not flag("force", force) and os.path.lexists(final):
+        raise SpoolError("usage", f"{final}: exists: choose another name or give force=True")
+    if os.path.exists(final) and not os.path.isfile(final):
+        raise SpoolError("usage", f"{final}: is no regular file: give the name of a file")
     planes = {}
     for name, plane in channels.items():
         if not isinstance(name, str) or not 0 < len(name.encode()) < 256 or "\0" in name:
-            raise SpoolError("usage", f"{os.fspath(path)}: {name!r} is no name of a channel")
-        plane = array(f"{os.fspath(path)}: {name}", plane, "biuf")
+            raise SpoolError("usage", f"{final}: {name!r} is no name of a channel")
+        plane = array(f"{final}: {name}", plane, "biuf")
         wide = "<u4" if plane.dtype.kind == "u" else "<f2" if plane.dtype == np.float16 else "<f4"
         with np.errstate(over="ignore"):
             planes[name] = np.ascontiguousarray(plane, wide)
         whole = plane.dtype.kind in "iu"
         if (planes[name] != plane).any() if whole else (np.isinf(planes[name]) & np.isfinite(plane)).any():
-            raise SpoolError("usage", f"{os.fspath(path)}: {name} has values that are too large for {planes[name].dtype.name}: scale them")
+            raise SpoolError("usage", f"{final}: {name} has values that are too large for {planes[name].dtype.name}: scale them")
     shapes = {plane.shape for plane in planes.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 2 or 0 in next(iter(shapes)):
-        raise SpoolError("usage", f"{os.fspath(path)}: channels of shapes {sorted(shapes)}: give arrays [y][x] "
+        raise SpoolError("usage", f"{final}: channels of shapes {sorted(shapes)}: give arrays [y][x] "
                                   "of one size")
     height, width = shapes.pop()
     kinds = {dtype: kind for kind, dtype in TYPES.items()}
@@ -75,9 +82,9 @@ def write(path, channels):
     header += b"\0"
     line = sum(planes[name].itemsize for name in names) * width
     start = len(header) + 8 * height
-    final, partial = os.fspath(path), f"{os.fspath(path)}.partial"
+    partial = f"{final}.spool-{secrets.token_hex(6)}.partial"
     try:
-        with open(partial, "wb") as file:
+        with open(partial, "xb") as file:
             file.write(header + struct.pack(f"<{height}Q", *(start + y * (line + 8) for y in range(height))))
             for y in range(height):
                 file.write(struct.pack("<ii", y, line) + b"".join(planes[name][y].tobytes() for name in names))
