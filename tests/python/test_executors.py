@@ -175,6 +175,8 @@ def test_the_shell_names_an_executor(path, whole, shell, program, tmp_path):
     assert {file: file.read_bytes() for file in (tmp_path / "results" / "cells").iterdir()} == kept
     assert shell("processes:1", "-o", tmp_path / "results", "-q", "--force") == (0, "")
     assert not any(file.exists() for file in kept)
+    code, line = shell("processes:1", "-o", tmp_path / "results", "-q", "--seed", 7)
+    assert code == 2 and "--force" in line  # in the program's words
 
 
 def test_dask_from_the_shell_with_a_worker_killed(path, whole, shell, tmp_path):

@@ -1,4 +1,4 @@
-"""Every failure is a SpoolError with the line and the exit code of the program."""
+"""Every failure is a SpoolError with the line and the exit code of the program, its options as parameters."""
 import concurrent.futures
 import os
 import pickle
@@ -27,7 +27,23 @@ def test_the_same_line(call, words, path, program):
     code, line = program(*(path if word == "PATH" else word for word in words))
     with pytest.raises(spool.SpoolError) as caught:
         call(path)
-    assert (caught.value.code, caught.value.message) == (code, line) and code != 0 and "\n" not in line
+    assert (caught.value.code, caught.value.message) == (code, line.replace("--set ", "").replace("--", ""))
+    assert code != 0 and "\n" not in line
+
+
+def test_a_line_names_no_option_of_the_program(path, tmp_path):
+    page, plan = spool.show(np.ones((4, 5, 3))), {"samplers": ["uniform"], "filters": ["box"], "spp": [2], "replicates": 1}
+    made, other = ({"recordings": [np.full((4, 5, 4, 3), value)], **plan} for value in (1.0, 2.0))
+    spool.evaluate(made, output=tmp_path / "kept")
+    for call, words in ((lambda: spool.synth("slanted_edge", path=path), "scene.spool: exists.*force=True"),
+                        (lambda: page.save(path), "scene.spool: exists.*force=True"),
+                        (lambda: spool.evaluate(other, output=tmp_path / "kept"), "force=True"),
+                        (lambda: spool.synth("slanted_edge", width=0), "0 x 128 pixels: give 1 to 65536 on a side"),
+                        (lambda: spool.reconstruct(path, None, "box", preset="nope"), "^preset nope: "),
+                        (lambda: spool.replay(path, "uniform", 4, views=["nope"]), "^views nope: ")):
+        with pytest.raises(spool.SpoolError, match=words) as caught:
+            call()
+        assert "--" not in str(caught.value)
 
 
 @pytest.mark.parametrize("call, words", [

@@ -5,6 +5,7 @@ outside the image, target exists), "absent" (a block that was never recorded), "
 and not used). `code` is the exit code of the program `spool` for it.
 """
 import os
+import re
 import stat
 
 DATA, USAGE, IO, DAMAGE = 1, 2, 3, 4
@@ -27,6 +28,10 @@ def one_line(text):
 
 
 class SpoolError(Exception):
+    # Options of the program, which of_code names as parameters of Python's functions.
+    options = ((re.compile(r"(?<!\S)--force\b"), "force=True"),
+               (re.compile(r"(?<!\S)--(set |(?=(views|preset|spp|filter|holdout|reference)\b))"), ""))
+
     def __init__(self, kind, message):
         message = one_line(message)
         super().__init__(message)
@@ -38,7 +43,9 @@ class SpoolError(Exception):
 
     @classmethod
     def of_code(cls, code, message):
-        """The error of an exit code, where nothing more is known."""
+        """The error of an exit code and the program's line, where nothing more is known."""
+        for option, parameter in cls.options:
+            message = option.sub(parameter, message)
         return cls({DATA: "data", USAGE: "usage", IO: "io", DAMAGE: "damaged"}[code], message)
 
     @property

@@ -64,6 +64,7 @@ def run(plan: str, folder: str, executor: str, *switches: str) -> bool:
 
     `switches`: force, exact (timing), quiet.
     """
+    SpoolError.options = ()  # the program prints the line
     written, name, beside = _text_of(plan, None)
     with executor_of(executor) as made:
         if made is None:

@@ -119,6 +119,7 @@ def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, see
           path: str | os.PathLike | None = None, compress: bool = False, force: bool = False, **options) -> Dump:
     """An analytic scene, sampled, with its exact reference. Without a path the file goes with the Recording."""
     sizes = whole("width", width), whole("height", height), whole("spp", spp), whole("seed", seed, 64)
+    image_size("synth", (height, width))
     folder = None if path is not None else tempfile.TemporaryDirectory(prefix="spool-")
     place = os.path.join(folder.name, "synth.spool") if folder else text("path", path_of("path", path))
     _core.synth(text("scene", scene), *sizes, place, [f"{key}={option_text(value)}" for key, value in options.items()],
