@@ -140,7 +140,7 @@ def test_a_function_that_never_ends(large):
         return statistics.mean
 
     interrupted(lambda: spool.replay(large, endless, 4), 0.5)
-    interrupted(lambda: spool.reconstruct(large, None, stubborn), 0.5, 1.0)
+    interrupted(lambda: spool.reconstruct(large, None, stubborn), 0.5, 0.7)
     interrupted(lambda: spool.evaluate({"recordings": [large], "spp": [4], "replicates": 1, "samplers": [endless], "filters": ["box"]}), 0.7)
 
 
@@ -249,6 +249,24 @@ print("end", flush=True)
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (0, "end\n") and "terminate" not in done.stderr, done.stderr
+
+
+def test_the_interpreter_ends_while_a_function_is_left_to_itself():
+    script = """
+import os, signal, time, spool
+@spool.filter
+def deaf(statistics):
+    os.kill(os.getpid(), signal.SIGINT)
+    while True:
+        try:
+            while True: time.sleep(0.0005)
+        except KeyboardInterrupt: pass
+for _ in range(2):
+    try: spool.reconstruct(spool.example(), None, deaf)
+    except KeyboardInterrupt: print("end")
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "end\nend\n", "")
 
 
 def fails(number):

@@ -52,7 +52,13 @@ nb::object answer_to(nb::object told, const nb::object& function,
       const nb::gil_scoped_acquire lock;
       try {
         const CallbackScope callback(call->watch.get());
-        call->answer = call->function.attr("ask")(call->told);
+        const nb::object ask = call->function.attr("ask");
+        PyObject* answer = nullptr;
+        // It may outlast the interpreter: its thread then ends without what holds the lock.
+        survive_the_end(
+            [&] { answer = PyObject_CallFunctionObjArgs(ask.ptr(), call->told.ptr(), nullptr); });
+        if (answer == nullptr) throw nb::python_error();
+        call->answer = nb::steal(answer);
       } catch (nb::python_error& error) {
         call->raised.emplace(error);
       }
