@@ -9,6 +9,7 @@
 #include "formats/open_dump.h"
 #include "formats/record_scan.h"
 #include "formats/record_writer.h"
+#include "formats/target_watch.h"
 
 namespace spool::format {
 
@@ -158,12 +159,8 @@ Result<void> write_output(Rescue& rescue, RecordWriter& writer) {
 
 Result<RecoveryReport> recover_dump(const std::filesystem::path& input,
                                     const std::filesystem::path& output, bool force) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(input, output, ignored) ||
-      std::filesystem::equivalent(input, partial_name(output), ignored) ||
-      std::filesystem::equivalent(input, partial_name(output, true), ignored)) {
-    return fail(ErrorCode::kUsage, "{}: output is the input: choose another name", output.string());
-  }
+  for (const auto& name : {output, partial_name(output), partial_name(output, true)})
+    SPOOL_TRY(refuse_own_input(name, input));
   Rescue rescue;
   SPOOL_ASSIGN(rescue.file, FileHandle::open(input, OpenMode::kRead));
   SPOOL_ASSIGN(rescue.scan, scan_records(rescue.file));

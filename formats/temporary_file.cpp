@@ -1,16 +1,10 @@
 #include "formats/temporary_file.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/random.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <cstdint>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 namespace spool::format {
@@ -22,13 +16,6 @@ constexpr std::string_view kMark = ".spool-", kSuffix = ".partial";
 constexpr std::size_t kRandomLetters = 8;
 constexpr std::size_t kLongestName = 255;  // of a file, on every usual file system
 constexpr int kTries = 100;
-constexpr int kFolderTries = 200;  // of 5 ms: a rename takes microseconds
-
-fs::path temporary_name(const fs::path& target) {
-  const std::string tail = std::string(kMark) + random_letters() + std::string(kSuffix);
-  const std::string name = target.filename().string();
-  return target.parent_path() / (name.substr(0, kLongestName - tail.size()) + tail);
-}
 
 bool is_temporary_name(std::string_view name) {
   const std::size_t tail = kMark.size() + kRandomLetters + kSuffix.size();
@@ -43,29 +30,13 @@ tl::unexpected<Error> named_after(const fs::path& target, const fs::path& name, 
   return fail(error.code, "{}", error.message);
 }
 
-// Held, the check of a target and the rename onto it are one step for all that use this. Where
-// folders cannot be locked the gap between the two stays.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder)
-      : descriptor_(
-            ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    for (int i = 0; descriptor_ >= 0 && i < kFolderTries; ++i) {
-      if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  }
-  ~FolderLock() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int descriptor_;
-};
-
 }  // namespace
+
+fs::path temporary_name(const fs::path& target) {
+  const std::string tail = std::string(kMark) + random_letters() + std::string(kSuffix);
+  const std::string name = target.filename().string();
+  return target.parent_path() / (name.substr(0, kLongestName - 1 - tail.size()) + tail);
+}
 
 std::string random_letters() {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz234567";  // 5 bits each
@@ -79,13 +50,6 @@ std::string random_letters() {
   for (const unsigned char byte : bytes)
     text += kLetters[byte % kLetters.size()];
   return text;
-}
-
-std::optional<TemporaryFile::Identity> TemporaryFile::identity_of(const fs::path& path) {
-  struct stat info{};
-  if (::lstat(path.c_str(), &info) != 0) return std::nullopt;
-  return Identity{info.st_dev, info.st_ino, static_cast<std::uint64_t>(info.st_size),
-                  info.st_mtim.tv_sec, info.st_mtim.tv_nsec};
 }
 
 Result<TemporaryFile> TemporaryFile::create(const fs::path& target) {
@@ -122,9 +86,7 @@ Result<void> TemporaryFile::publish(Replace replace) {
     const bool changed = identity_of(target_) != found_;
     if (changed &&
         (replace == Replace::kWhatWasHere || (replace == Replace::kNothing && !found_))) {
-      return fail(ErrorCode::kIo,
-                  "{}: another process wrote it meanwhile: that file stays, this one was dropped",
-                  target_.string());
+      return written_meanwhile(target_);
     }
     return rename_file(path(), target_, replace != Replace::kNothing);
   });
@@ -133,12 +95,6 @@ Result<void> TemporaryFile::publish(Replace replace) {
 Result<FileHandle> open_scratch_file(const fs::path& out) {
   SPOOL_ASSIGN(TemporaryFile made, TemporaryFile::create(out));
   return std::move(made.file());  // its name goes with `made`: it lives as long as it is open
-}
-
-Result<void> refuse_existing_target(const fs::path& out, bool force) {
-  std::error_code ignored;
-  if (force || !fs::exists(out, ignored)) return {};
-  return fail(ErrorCode::kUsage, "{}: exists: choose another name or use --force", out.string());
 }
 
 std::size_t sweep_temporary_files(const fs::path& folder, std::chrono::seconds age) {

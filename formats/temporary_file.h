@@ -13,6 +13,7 @@
 #include <string>
 
 #include "formats/file_handle.h"
+#include "formats/target_watch.h"
 #include "formats/unfinished_files.h"
 #include "lib/core/error.h"
 
@@ -20,6 +21,9 @@ namespace spool::format {
 
 // Eight, for a name that no other process gives.
 std::string random_letters();
+
+// TARGET.spool-RANDOM.partial, shortened to what a file system takes, with a letter to spare.
+std::filesystem::path temporary_name(const std::filesystem::path& target);
 
 // What may stand in the target's place when the file is finished.
 enum class Replace {
@@ -40,16 +44,8 @@ class TemporaryFile {
   Result<void> publish(Replace replace);
 
  private:
-  // What a target was: a file that was replaced or written has another one.
-  struct Identity {
-    std::uint64_t device = 0, inode = 0, bytes = 0;
-    std::int64_t seconds = 0, nanoseconds = 0;
-    bool operator==(const Identity&) const = default;
-  };
-  static std::optional<Identity> identity_of(const std::filesystem::path& path);
-
   std::filesystem::path target_;
-  std::optional<Identity> found_;  // the target when this was begun
+  std::optional<FileIdentity> found_;  // the target when this was begun
   FileHandle file_;
   UnfinishedFile unfinished_;  // after file_: removed while the lock is still held
 };
@@ -57,9 +53,6 @@ class TemporaryFile {
 // A file without a name beside the target: where importers and exporters lay out what does not fit
 // memory. It is gone when it is closed, even if the process is killed.
 Result<FileHandle> open_scratch_file(const std::filesystem::path& out);
-
-// kUsage when `out` exists and `force` is not set: asked before hours of unpacking.
-Result<void> refuse_existing_target(const std::filesystem::path& out, bool force);
 
 // Removes the temporary files in `folder` whose writers are gone: those without a lock and
 // unchanged for `age`. Where locks do not work, none. Returns how many.

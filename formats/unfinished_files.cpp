@@ -40,7 +40,7 @@ UnfinishedFile::~UnfinishedFile() {
   if (path_.empty()) return;
   const std::scoped_lock lock(listed().mutex);
   std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
+  std::filesystem::remove_all(path_, ignored);
   listed().paths.erase(path_.string());
 }
 
@@ -56,7 +56,7 @@ void remove_unfinished_files() {
   listed().mutex.lock();  // for good: no thread begins or finishes another file
   std::error_code ignored;
   for (const std::string& path : listed().paths)
-    std::filesystem::remove(path, ignored);
+    std::filesystem::remove_all(path, ignored);
 }
 
 }  // namespace spool::format

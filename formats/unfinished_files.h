@@ -10,8 +10,8 @@
 
 namespace spool::format {
 
-// Owns the file at `path` until finish(): it is removed when this goes, or when the process ends by
-// remove_unfinished_files().
+// Owns the file or folder at `path` until finish(): it is removed when this goes, or when the
+// process ends by remove_unfinished_files().
 class UnfinishedFile {
  public:
   UnfinishedFile() = default;

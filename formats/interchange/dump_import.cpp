@@ -10,6 +10,7 @@
 #include "formats/interchange/import_watch.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/spool_writer.h"
+#include "formats/target_watch.h"
 
 namespace spool::interchange {
 namespace {
@@ -205,8 +206,10 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
                                 const ImportOptions& options) {
   const std::string source = plan.record.files.empty() ? out.string() : plan.record.files[0].name;
   uint64_t source_bytes = 0;
-  for (const ForeignFile& file : plan.record.files)
+  for (const ForeignFile& file : plan.record.files) {
+    SPOOL_TRY(format::refuse_own_input(out, file.path));
     source_bytes += file.bytes;
+  }
   SPOOL_TRY(options.expansion.check(source, stored_bytes(plan.layers), source_bytes));
   const std::vector<uint16_t> groups = assign_groups(plan.layers);
   const DumpHeader header = make_header(plan, groups, options);

@@ -7,7 +7,7 @@ namespace spool::interchange {
 Result<ForeignFile> identify(const format::FileHandle& file) {
   SPOOL_ASSIGN(const uint64_t bytes, file.size());
   SPOOL_ASSIGN(std::string hash, sha256_of(file));
-  return ForeignFile{file.path().filename().string(), bytes, std::move(hash)};
+  return ForeignFile{file.path().filename().string(), bytes, std::move(hash), file.path()};
 }
 
 nlohmann::json to_json(const ImportRecord& record, bool half) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct ForeignFile {
   std::string name;
   uint64_t bytes = 0;
   std::string sha256;
+  std::filesystem::path path;
 };
 
 Result<ForeignFile> identify(const format::FileHandle& file);

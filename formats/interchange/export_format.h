@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "formats/interchange/export_file.h"
+#include "formats/target_watch.h"
 #include "lib/core/error.h"
 #include "lib/core/option_table.h"
 
@@ -38,21 +39,22 @@ ExportFormat export_format(std::string name, std::string summary, OptionTable<Op
                            Result<ExportReport> (*write)(const std::filesystem::path&,
                                                          const std::filesystem::path&,
                                                          const Options&)) {
-  ExportFormat format;
-  format.name = name;
-  format.summary = std::move(summary);
-  format.describe = [table] { return describe_options(table, Options{}); };
-  format.write = [=](const std::filesystem::path& in, const std::filesystem::path& out,
-                     const ExportOptions& common, const OptionValues& set) -> Result<ExportReport> {
+  ExportFormat made;
+  made.name = name;
+  made.summary = std::move(summary);
+  made.describe = [table] { return describe_options(table, Options{}); };
+  made.write = [=](const std::filesystem::path& in, const std::filesystem::path& out,
+                   const ExportOptions& common, const OptionValues& set) -> Result<ExportReport> {
     Options start;
     static_cast<ExportOptions&>(start) = common;
     Result<Options> options = with_options(table, std::move(start), set);
     if (!options) {
       return fail(options.error().code, "export {}: {}", name, options.error().message);
     }
+    SPOOL_TRY(format::refuse_own_input(out, in));
     return write(in, out, *options);
   };
-  return format;
+  return made;
 }
 
 // Any text: the name of a file, of an image.

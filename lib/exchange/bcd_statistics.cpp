@@ -5,8 +5,8 @@
 #include <limits>
 #include <span>
 
+#include "formats/file_set.h"
 #include "formats/spool_reader.h"
-#include "formats/temporary_file.h"
 #include "lib/core/image.h"
 #include "lib/image_io/counts_exr.h"
 #include "lib/image_io/exr_image.h"
@@ -155,11 +155,13 @@ Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
     return fail(ErrorCode::kUsage, "export bcd-stats: spp and selection: give one of them");
   std::filesystem::path base = out;
   if (base.extension() == ".exr") base.replace_extension();
-  const auto named = [&](const char* suffix) {
-    return std::filesystem::path(base.string() + suffix);
-  };
-  for (const char* suffix : {".exr", "_cov.exr", "_hist.exr"})
-    SPOOL_TRY(format::refuse_existing_target(named(suffix), options.force));
+  const std::string stem = base.filename().string();
+  if (stem.empty() || stem == "." || stem == ".." || stem == ".exr")
+    return fail(ErrorCode::kUsage, "{}: names no file: give P or P.exr", out.string());
+  const std::array<std::string, 3> names = {stem + ".exr", stem + "_cov.exr", stem + "_hist.exr"};
+  SPOOL_ASSIGN(format::FileSet set,
+               format::FileSet::create(base.parent_path(), {names.begin(), names.end()},
+                                       options.force, {in, options.selection}));
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   const format::DumpHeader& header = dump.header();
   const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);
@@ -185,11 +187,12 @@ Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
   for (const format::LayerInfo& layer : dump.layers())
     if (layer.name != "radiance")
       report.notes.push_back(layer.name + " is not written: BCD takes radiance only");
-  SPOOL_TRY(write_exr(named(".exr"), exr_from_rgb(images.mean), {.overwrite = options.force}));
-  SPOOL_TRY(
-      write_exr(named("_cov.exr"), bins_file(images.covariance), {.overwrite = options.force}));
-  SPOOL_TRY(
-      write_exr(named("_hist.exr"), bins_file(images.histogram), {.overwrite = options.force}));
+  const std::array<ExrFile, 3> files = {exr_from_rgb(images.mean), bins_file(images.covariance),
+                                        bins_file(images.histogram)};
+  for (size_t i = 0; i < files.size(); ++i)
+    SPOOL_TRY(set.write(
+        names[i], [&](const std::filesystem::path& path) { return write_exr(path, files[i]); }));
+  SPOOL_TRY(set.publish());
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "formats/byte_io.h"
+#include "formats/file_set.h"
 #include "formats/half_float.h"
 #include "formats/interchange/layer_names.h"
 #include "formats/temporary_file.h"
@@ -66,27 +67,18 @@ std::filesystem::path pixel_file_of(std::filesystem::path deep) {
   return deep.replace_extension(".pixel.exr");
 }
 
-}  // namespace
-
-Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
-                                     const std::filesystem::path& out,
-                                     const interchange::ExportOptions& options) {
-  SPOOL_TRY(format::refuse_existing_target(out, options.force));
-  SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
-  SPOOL_TRY(require_complete(dump));
+Result<DeepHeader> deep_header(const format::SpoolReader& dump) {
   const format::DumpHeader& header = dump.header();
   DeepHeader deep{
       static_cast<int>(header.width), static_cast<int>(header.height), {}, describe_dump(dump)};
   uint64_t sample_bytes = 8;
-  bool pixel_layers = false;
   for (const LayerInfo& layer : dump.layers()) {
-    pixel_layers = pixel_layers || layer.scope == Scope::kPixel;
     if (layer.scope == Scope::kPixel) continue;
     if (layer.name == "spool" && std::ranges::count(layer.components, "index") > 0)
       return fail(ErrorCode::kData,
                   "{}: layer spool has a component index, where deep-exr keeps the numbers of the "
                   "samples: export another format",
-                  in.string());
+                  dump.path().string());
     for (const std::string& component : layer.components)
       deep.channels.push_back({layer.name + "." + component, pixel_type(layer.type)});
     sample_bytes += uint64_t{layer.channel_count} * format::bytes_per_value(layer.type);
@@ -96,10 +88,13 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
   if (sample_bytes * header.spp * header.width > kMaxChunkBytes)
     return fail(ErrorCode::kData,
                 "{}: a row of {} samples takes more than OpenEXR's 2 GiB: export fewer samples",
-                in.string(), header.spp);
-  // Before the layers are unpacked: what another process writes here meanwhile is not replaced.
-  SPOOL_ASSIGN(DeepExrWriter writer, DeepExrWriter::create(out, deep, header.spp, options.force));
-  SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out));
+                dump.path().string(), header.spp);
+  return deep;
+}
+
+Result<void> write_samples(const DeepHeader& deep, const format::DumpHeader& header,
+                           const ScratchLayers& scratch, const std::filesystem::path& path) {
+  SPOOL_ASSIGN(DeepExrWriter writer, DeepExrWriter::create(path, deep, header.spp, false));
   std::vector<std::byte> depth(size_t{4} * header.width * header.spp), index = depth;
   for (size_t i = 0; i < size_t{header.width} * header.spp; ++i) {
     const auto s = static_cast<uint32_t>(i % header.spp);
@@ -118,12 +113,38 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
     values.push_back(index);
     SPOOL_TRY(writer.write_row(values));
   }
-  SPOOL_TRY(write_pixel_layers(dump, scratch, pixel_file_of(out), options.force));
-  SPOOL_TRY(writer.finish());
+  return writer.finish();
+}
+
+}  // namespace
+
+Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
+                                     const std::filesystem::path& out,
+                                     const interchange::ExportOptions& options) {
+  SPOOL_TRY(format::refuse_existing_target(out, options.force));
+  SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
+  SPOOL_TRY(require_complete(dump));
+  SPOOL_ASSIGN(const DeepHeader deep, deep_header(dump));
+  const std::string samples = out.filename().string(),
+                    pixels = pixel_file_of(out).filename().string();
+  const bool has_pixels = std::ranges::count(dump.layers(), Scope::kPixel, &LayerInfo::scope) > 0;
+  std::vector<std::string> names = {samples};
+  if (has_pixels) names.push_back(pixels);
+  // Before the layers are unpacked: what another process writes here meanwhile is not replaced.
+  SPOOL_ASSIGN(format::FileSet set,
+               format::FileSet::create(out.parent_path(), names, options.force, {in}));
+  SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out));
+  SPOOL_TRY(set.write(samples, [&](const std::filesystem::path& path) {
+    return write_samples(deep, dump.header(), scratch, path);
+  }));
   ExportReport report;
-  if (pixel_layers)
-    report.notes.push_back("layers with one value per pixel are in " +
-                           pixel_file_of(out).filename().string());
+  if (has_pixels) {
+    SPOOL_TRY(set.write(pixels, [&](const std::filesystem::path& path) {
+      return write_pixel_layers(dump, scratch, path);
+    }));
+    report.notes.push_back("layers with one value per pixel are in " + pixels);
+  }
+  SPOOL_TRY(set.publish());
   return report;
 }
 

@@ -1,11 +1,14 @@
 #include "lib/exchange/exr_folder_export.h"
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 
 #include "formats/byte_io.h"
+#include "formats/file_set.h"
 #include "lib/exchange/exr_names.h"
 #include "lib/exchange/pixel_layers.h"
+#include "lib/image_io/exr_source.h"
 
 namespace spool::exchange {
 
@@ -106,18 +109,87 @@ Result<std::map<std::string, std::string>> pass_attributes(const format::SpoolRe
   return texts;
 }
 
-// Images of a longer recording would be samples of this one.
-Result<void> remove_earlier_export(const std::filesystem::path& out) {
+constexpr const char* kPixelFile = "pixel_layers.exr";
+
+std::string sample_name(uint32_t sample) {
+  return fmt::format("sample_{:04}.exr", sample);
+}
+
+// Images of a longer recording would be samples of this one: those of an earlier export go, those
+// of another program do not.
+Result<void> add_earlier_images(const std::filesystem::path& out, std::vector<std::string>& names) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(out, error)) {
     const std::string name = entry.path().filename().string();
     const bool sample = name.starts_with("sample_") && name.ends_with(".exr");
-    if (sample || name == "pixel_layers.exr") std::filesystem::remove(entry.path(), error);
-    if (error) break;
+    if ((!sample && name != kPixelFile) || std::ranges::count(names, name) > 0) continue;
+    const auto source = ExrSource::open(entry.path());
+    if (!source || source_of(source->parts()[0].attributes).empty())
+      return fail(ErrorCode::kUsage,
+                  "{}: is of no export by spool, and would be taken for one: move it away",
+                  entry.path().string());
+    names.push_back(name);
   }
   if (error)
-    return fail(ErrorCode::kIo, "{}: cannot be emptied ({}): check the folder", out.string(),
+    return fail(ErrorCode::kIo, "{}: cannot be listed ({}): check the folder", out.string(),
                 error.message());
+  return {};
+}
+
+// What of a recording goes where.
+struct FolderPlan {
+  std::vector<Place> places;
+  std::vector<LayerInfo> pass_layers;
+  bool pixel_layers = false;
+  ExrAttributes about;
+};
+
+FolderPlan plan_folder(const format::SpoolReader& dump, ExrNames names, ExportReport& report) {
+  const bool plain = names == ExrNames::kPlain;
+  FolderPlan plan;
+  for (const LayerInfo& layer : dump.layers()) {
+    const bool named =
+        layer.scope == Scope::kSample && !channel_name(layer, layer.components[0], names).empty();
+    if (layer.scope == Scope::kPixel) plan.pixel_layers = true;
+    if (layer.scope == Scope::kPass && plain) plan.pass_layers.push_back(layer);
+    if (!named && (layer.scope == Scope::kSample || (layer.scope == Scope::kPass && !plain)))
+      report.notes.push_back(layer.name + " is not written: these names have no place for it");
+    if (!named) continue;
+    for (uint32_t c = 0; c < layer.channel_count; ++c)
+      plan.places.push_back(
+          {layer, layer.first_channel + c, channel_name(layer, layer.components[c], names)});
+  }
+  plan.about = describe_dump(dump);
+  if (plain) return plan;
+  plan.about = {.texts = {{"spoolSource", source_of(plan.about)}}, .numbers = {}};
+  if (names == ExrNames::kBlender)
+    plan.about.texts.insert({{"BlenderMultiChannel", "spool"}, {"cycles.ViewLayer.samples", "1"}});
+  return plan;
+}
+
+Result<void> write_images(const format::SpoolReader& dump, const FolderPlan& plan,
+                          format::FileSet& set) {
+  uint64_t sample_bytes = 0;
+  for (const Place& place : plan.places)
+    sample_bytes +=
+        format::bytes_per_value(place.layer.type) * dump.header().width * dump.header().height;
+  const auto step = static_cast<uint32_t>(std::max<uint64_t>(1, kImageBytes / sample_bytes));
+  for (uint32_t block = 0; block < dump.blocks(); ++block) {
+    for (uint32_t s0 = 0; s0 < dump.block_count(block); s0 += step) {
+      auto images = blank_images(dump.header(), plan.about, plan.places,
+                                 std::min(step, dump.block_count(block) - s0));
+      SPOOL_TRY(fill_images(dump, plan.places, block, s0, images));
+      for (uint32_t s = 0; s < images.size(); ++s) {
+        for (const LayerInfo& layer : plan.pass_layers) {
+          SPOOL_ASSIGN(auto texts, pass_attributes(dump, layer, block, s0 + s));
+          images[s].attributes.texts.merge(texts);
+        }
+        SPOOL_TRY(set.write(
+            sample_name(dump.block_begin(block) + s0 + s),
+            [&](const std::filesystem::path& path) { return write_exr_planes(path, images[s]); }));
+      }
+    }
+  }
   return {};
 }
 
@@ -126,62 +198,35 @@ Result<void> remove_earlier_export(const std::filesystem::path& out) {
 Result<ExportReport> export_exr_folder(const std::filesystem::path& in,
                                        const std::filesystem::path& out,
                                        const ExrFolderExportOptions& options) {
-  const auto [force, names] = std::pair(options.force, options.names);
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   SPOOL_TRY(require_complete(dump));
   std::error_code error;
-  if (!force && std::filesystem::exists(out, error) && !std::filesystem::is_empty(out, error))
+  if (!options.force && std::filesystem::exists(out, error) &&
+      !std::filesystem::is_empty(out, error))
     return fail(ErrorCode::kUsage,
                 "{}: exists and is not empty: choose another name or use --force", out.string());
   std::filesystem::create_directories(out, error);
   if (error)
     return fail(ErrorCode::kIo, "{}: cannot be made ({}): check the path", out.string(),
                 error.message());
-  if (force) SPOOL_TRY(remove_earlier_export(out));
   ExportReport report;
-  const bool plain = names == ExrNames::kPlain;
-  std::vector<Place> places;
-  std::vector<LayerInfo> pass_layers;
-  bool pixel_layers = false;
-  uint64_t sample_bytes = 0;
-  for (const LayerInfo& layer : dump.layers()) {
-    const bool named =
-        layer.scope == Scope::kSample && !channel_name(layer, layer.components[0], names).empty();
-    if (layer.scope == Scope::kPixel) pixel_layers = true;
-    if (layer.scope == Scope::kPass && plain) pass_layers.push_back(layer);
-    if (!named && (layer.scope == Scope::kSample || (layer.scope == Scope::kPass && !plain)))
-      report.notes.push_back(layer.name + " is not written: these names have no place for it");
-    if (!named) continue;
-    for (uint32_t c = 0; c < layer.channel_count; ++c)
-      places.push_back(
-          {layer, layer.first_channel + c, channel_name(layer, layer.components[c], names)});
-    sample_bytes += uint64_t{layer.channel_count} * format::bytes_per_value(layer.type) *
-                    dump.header().width * dump.header().height;
+  const FolderPlan plan = plan_folder(dump, options.names, report);
+  std::vector<std::string> names;
+  if (plan.pixel_layers) names.emplace_back(kPixelFile);
+  for (uint32_t s = 0; s < dump.header().spp; ++s)
+    names.push_back(sample_name(s));
+  SPOOL_TRY(add_earlier_images(out, names));
+  SPOOL_ASSIGN(format::FileSet set,
+               format::FileSet::create(out, std::move(names), options.force, {in}));
+  SPOOL_TRY(write_images(dump, plan, set));
+  if (plan.pixel_layers) {
+    SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out / "pixel_layers"));
+    SPOOL_TRY(set.write(kPixelFile, [&](const std::filesystem::path& path) {
+      return write_pixel_layers(dump, scratch, path);
+    }));
+    report.notes.push_back("layers with one value per pixel are in pixel_layers.exr");
   }
-  ExrAttributes about;
-  if (plain) about = describe_dump(dump);
-  if (names == ExrNames::kBlender)
-    about.texts = {{"BlenderMultiChannel", "spool"}, {"cycles.ViewLayer.samples", "1"}};
-  const auto step = static_cast<uint32_t>(std::max<uint64_t>(1, kImageBytes / sample_bytes));
-  for (uint32_t block = 0; block < dump.blocks(); ++block) {
-    for (uint32_t s0 = 0; s0 < dump.block_count(block); s0 += step) {
-      auto images =
-          blank_images(dump.header(), about, places, std::min(step, dump.block_count(block) - s0));
-      SPOOL_TRY(fill_images(dump, places, block, s0, images));
-      for (uint32_t s = 0; s < images.size(); ++s) {
-        for (const LayerInfo& layer : pass_layers) {
-          SPOOL_ASSIGN(auto texts, pass_attributes(dump, layer, block, s0 + s));
-          images[s].attributes.texts.merge(texts);
-        }
-        const auto name = fmt::format("sample_{:04}.exr", dump.block_begin(block) + s0 + s);
-        SPOOL_TRY(write_exr_planes(out / name, images[s], {.overwrite = force}));
-      }
-    }
-  }
-  if (!pixel_layers) return report;
-  SPOOL_ASSIGN(ScratchLayers scratch, unpack_layers(dump, out / "pixel_layers"));
-  SPOOL_TRY(write_pixel_layers(dump, scratch, out / "pixel_layers.exr", force));
-  report.notes.push_back("layers with one value per pixel are in pixel_layers.exr");
+  SPOOL_TRY(set.publish());
   return report;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/file_set.h"
 #include "formats/spool_reader.h"
 #include "lib/core/image.h"
 #include "lib/image_io/exr_image.h"
@@ -84,6 +85,68 @@ Result<RgbImage> reference_image(const format::SpoolReader& dump) {
   return image;
 }
 
+std::string file_name(const std::string& name, const std::string& stem, const Feature& feature) {
+  return fmt::format("{}_{}.{}.exr", name, stem, feature.suffix);
+}
+
+// The counts of samples, ascending.
+Result<std::vector<uint32_t>> counts_of(const OidnSetOptions& options, uint32_t recorded,
+                                        const std::string& in) {
+  std::vector<uint32_t> counts = options.spp;
+  if (counts.empty())
+    for (uint32_t n = 1; n <= recorded; n *= 2)
+      counts.push_back(n);
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  if (counts.front() < 1 || counts.back() > recorded)
+    return fail(ErrorCode::kUsage, "{}: {} samples asked for, 1 to {} are possible", in,
+                counts.front() < 1 ? counts.front() : counts.back(), recorded);
+  return counts;
+}
+
+bool is_recorded(const format::SpoolReader& dump, const Feature& feature) {
+  const auto layer = dump.find_layer(feature.layer);
+  return layer && layer->scope == Scope::kSample && layer->channel_count == 3;
+}
+
+// Of NAME_0008spp.hdr.exr and the like in `out`, whatever their counts: the trainer would take
+// those of an earlier set for inputs of this one.
+void add_earlier_images(const std::filesystem::path& out, const std::string& name,
+                        std::vector<std::string>& names) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(out, ignored)) {
+    const std::string found = entry.path().filename().string();
+    if (!found.starts_with(name + "_") || std::ranges::count(names, found) > 0) continue;
+    const std::string rest = found.substr(name.size() + 1), stem = rest.substr(0, rest.find('.'));
+    const bool counted = stem.ends_with("spp") && stem.size() > 3 &&
+                         stem.find_first_not_of("0123456789") == stem.size() - 3;
+    for (const Feature& feature : kFeatures)
+      if ((counted || stem == "ref") && found == file_name(name, stem, feature))
+        names.push_back(found);
+  }
+}
+
+// `out`, made where it is not there, and the set in it: its target comes first, since without one
+// the largest input would be it.
+Result<format::FileSet> begin_set(const std::filesystem::path& in, const std::filesystem::path& out,
+                                  const std::vector<std::string>& stems, const std::string& name,
+                                  const format::SpoolReader& dump, bool force) {
+  if (name.find('/') != std::string::npos)
+    return fail(ErrorCode::kUsage, "export oidn: name '{}' has a '/': the folder is that of -o",
+                name);
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error)
+    return fail(ErrorCode::kIo, "{}: cannot be made ({}): check the path", out.string(),
+                error.message());
+  std::vector<std::string> names;
+  for (const std::string& stem : stems)
+    for (const Feature& feature : kFeatures)
+      if (is_recorded(dump, feature)) names.push_back(file_name(name, stem, feature));
+  add_earlier_images(out, name, names);
+  return format::FileSet::create(out, std::move(names), force, {in});
+}
+
 }  // namespace
 
 Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
@@ -92,32 +155,23 @@ Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
   SPOOL_ASSIGN(const format::SpoolReader dump, format::SpoolReader::open(in));
   SPOOL_ASSIGN(const RgbImage reference, reference_image(dump));
   const uint32_t recorded = dump.header().spp;
-  std::vector<uint32_t> counts = options.spp;
-  if (counts.empty())
-    for (uint32_t n = 1; n <= recorded; n *= 2)
-      counts.push_back(n);
-  std::sort(counts.begin(), counts.end());
-  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
-  if (counts.front() < 1 || counts.back() > recorded)
-    return fail(ErrorCode::kUsage, "{}: {} samples asked for, 1 to {} are possible", in.string(),
-                counts.front() < 1 ? counts.front() : counts.back(), recorded);
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  if (error)
-    return fail(ErrorCode::kIo, "{}: cannot be made ({}): check the path", out.string(),
-                error.message());
+  SPOOL_ASSIGN(const auto counts, counts_of(options, recorded, in.string()));
   const std::string name = options.name.empty() ? in.stem().string() : options.name;
   // The last name in sorted order is the target: counts of one width, then "ref".
   const size_t digits = std::max<size_t>(4, std::to_string(counts.back()).size());
+  std::vector<std::string> stems = {"ref"};
+  for (const uint32_t count : counts)
+    stems.push_back(fmt::format("{:0{}}spp", count, digits));
+  SPOOL_ASSIGN(format::FileSet set, begin_set(in, out, stems, name, dump, options.force));
   const auto write = [&](const std::string& stem, const Feature& feature, const RgbImage& image) {
-    return write_exr(out / fmt::format("{}_{}.{}.exr", name, stem, feature.suffix),
-                     exr_from_rgb(image), {.overwrite = options.force});
+    return set.write(file_name(name, stem, feature), [&](const std::filesystem::path& path) {
+      return write_exr(path, exr_from_rgb(image));
+    });
   };
   ExportReport report;
   for (const Feature& feature : kFeatures) {
     const bool light = feature.layer == kFeatures[0].layer;
-    const auto layer = dump.find_layer(feature.layer);
-    if (!layer || layer->scope != Scope::kSample || layer->channel_count != 3) {
+    if (!is_recorded(dump, feature)) {
       report.notes.push_back(std::string("no ") + feature.layer + ": not recorded");
       continue;
     }
@@ -127,7 +181,7 @@ Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
     uint64_t cut = 0;
     for (size_t k = 0; k < counts.size(); ++k) {
       cut += outside(means[k], feature);
-      SPOOL_TRY(write(fmt::format("{:0{}}spp", counts[k], digits), feature, means[k]));
+      SPOOL_TRY(write(stems[k + 1], feature, means[k]));
     }
     SPOOL_TRY(write("ref", feature, light ? reference : means.back()));
     if (cut > 0)
@@ -140,6 +194,7 @@ Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
                                    [&](const Feature& f) { return layer.name == f.layer; });
     if (!taken) report.notes.push_back(layer.name + " is not written: OIDN has no name for it");
   }
+  SPOOL_TRY(set.publish());
   return report;
 }
 

@@ -18,7 +18,7 @@ std::string lossy_remark(const std::string& compression, size_t images, size_t a
 }
 
 Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& scratch,
-                                const std::filesystem::path& path, bool force) {
+                                const std::filesystem::path& path) {
   ExrPlanes image;
   image.width = static_cast<int>(dump.header().width);
   image.height = static_cast<int>(dump.header().height);
@@ -39,8 +39,7 @@ Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& 
       image.planes.push_back(std::move(plane));
     }
   }
-  if (image.planes.empty()) return {};
-  return write_exr_planes(path, image, {.overwrite = force});
+  return write_exr_planes(path, image);
 }
 
 namespace {

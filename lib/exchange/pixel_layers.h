@@ -13,9 +13,9 @@ namespace spool::exchange {
 // What is said of `images` of `all` files whose compression changes values.
 std::string lossy_remark(const std::string& compression, size_t images, size_t all);
 
-// Planes of pixel scope as a flat EXR; nothing is written when there are none.
+// Planes of pixel scope as a flat EXR.
 Result<void> write_pixel_layers(const format::SpoolReader& dump, ScratchLayers& scratch,
-                                const std::filesystem::path& path, bool force);
+                                const std::filesystem::path& path);
 // Adds the pixel layers of such a file to `plan`, its numbers at the end of `scratch`. kData for
 // one that was exported from another recording than `source`, and when a layer is missing that the
 // recording had.

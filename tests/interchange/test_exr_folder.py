@@ -131,6 +131,17 @@ def test_an_export_leaves_no_images_of_a_longer_one(tmp_path):
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["sample_0000.exr", "sample_0001.exr"]
 
 
+def test_an_export_leaves_images_of_others_alone(tmp_path):
+    for name, spp in (("long", 4), ("short", 2)):
+        spool.write(tmp_path / f"{name}.spool", np.ones((6, 5, spp, 3), "f4"))
+    assert run_jobs(("export exr-folder", tmp_path / "long.spool", tmp_path / "out"))[0][0] == 0
+    write_image(tmp_path / "out" / "sample_of_hers.exr", "RGB", SAMPLES[0])
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    code, message = run_jobs(("export exr-folder", tmp_path / "short.spool", tmp_path / "out", "force=1"))[0]
+    assert code == 2 and message.startswith(f"{tmp_path / 'out' / 'sample_of_hers.exr'}: is of no export by spool"), message
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
 def taken_away(folder, name):
     (folder / name).unlink()
 

@@ -116,3 +116,38 @@ def test_a_set_without_a_reference_is_refused(tmp_path):
     code, message = run_jobs(("export oidn", tmp_path / "a.spool", tmp_path / "set"))[0]
     assert code == 1 and "no reference from other seeds" in message
     assert not (tmp_path / "set").exists()
+
+
+def oidn_source(path, spp, value=1):
+    spool.write(path, np.full((3, 4, spp, 3), value, "f4"), reference=np.full((3, 4, 3), value, "f4"))
+    return path
+
+
+@pytest.mark.parametrize("name", ["../evil", "a/b", "/evil"])
+def test_the_name_of_a_set_stays_in_its_folder(tmp_path, name):
+    oidn_source(tmp_path / "a.spool", 2)
+    code, message = run_jobs(("export oidn", tmp_path / "a.spool", tmp_path / "out" / "in", f"name={name}"))[0]
+    assert code == 2 and "has a '/'" in message and {path.name for path in tmp_path.iterdir()} == {"a.spool"}, message
+
+
+def test_a_set_is_refused_before_the_first_image_and_replaced_whole(tmp_path):
+    for name, spp, value in (("long", 8, 1), ("short", 2, 3)):
+        oidn_source(tmp_path / f"{name}.spool", spp, value)
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "x_0008spp.hdr.exr").write_bytes(b"of somebody")
+    code, message = run_jobs(("export oidn", tmp_path / "long.spool", out, "name=x"))[0]
+    assert code == 2 and "x_0008spp.hdr.exr: exists" in message and [path.name for path in out.iterdir()] == ["x_0008spp.hdr.exr"], message
+    (out / "x_0008spp.hdr.exr").unlink()
+    (out / "x_night_ref.hdr.exr").write_bytes(b"of another set")
+    assert run_jobs(("export oidn", tmp_path / "long.spool", out, "name=x"))[0][0] == 0
+    assert run_jobs(("export oidn", tmp_path / "short.spool", out, "name=x", "force=1"))[0][0] == 0
+    assert sorted(path.name for path in out.iterdir()) == ["x_0001spp.hdr.exr", "x_0002spp.hdr.exr", "x_night_ref.hdr.exr", "x_ref.hdr.exr"]
+
+
+@pytest.mark.parametrize("out", ["nd/", "nd/.", "nd/.exr"])
+def test_statistics_have_a_name(tmp_path, out):
+    (tmp_path / "nd").mkdir()
+    oidn_source(tmp_path / "a.spool", 4)
+    code, message = run_jobs(("export bcd-stats", tmp_path / "a.spool", f"{tmp_path}/{out}"))[0]
+    assert code == 2 and "names no file" in message and not list((tmp_path / "nd").iterdir()), message
