@@ -221,3 +221,103 @@ def test_an_export_that_was_overtaken_while_it_unpacked_says_so(good, run, tmp_p
     slow.send_signal(signal.SIGCONT)
     error = slow.communicate(timeout=120)[1]
     assert slow.returncode == 3 and "another process wrote it meanwhile" in error, error
+
+
+SETS = {"deep-exr": "out/x.exr", "exr-folder": "out", "bcd-stats": "out/x", "oidn": "out"}
+
+
+@pytest.mark.parametrize("kind", SETS)
+def test_of_a_set_that_cannot_be_written_the_old_one_stays_whole(good, run, tmp_path, kind):
+    radiance, _ = samples(16, 16, 8)
+    for name, factor in (("one", 1), ("two", 2)):
+        write_dump(tmp_path / f"{name}.spool", factor * radiance, reference=factor * radiance.mean(2))
+    (tmp_path / "out").mkdir()
+    words = ["--to", kind, "-o", SETS[kind], *(["--set", "export.name=x"] if kind == "oidn" else [])]
+    good("convert", "one.spool", *words)
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    full = subprocess.run(["sh", "-c", 'ulimit -f 1; trap "" XFSZ; exec "$@"', "sh", PROGRAM, "convert", "two.spool", *words, "--force"],
+                          cwd=tmp_path, capture_output=True, text=True)
+    assert full.returncode == 3 and full.stderr.count("\n") == 1, full.stderr
+    assert kind == "deep-exr" or "partial" not in full.stderr  # that of deep-exr is a file without a name
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+    good("convert", "two.spool", *words, "--force")
+    after = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert set(after) == set(before) and not any(after[name] == before[name] for name in before)
+
+
+@pytest.mark.parametrize("kind", SETS)
+def test_an_ended_export_leaves_no_part_of_a_set(good, tmp_path, kind):
+    radiance, _ = samples(128, 128, 64)
+    write_dump(tmp_path / "big.spool", radiance, reference=radiance.mean(2))
+    (tmp_path / "out").mkdir()
+    export = subprocess.Popen([PROGRAM, "convert", "big.spool", "--to", kind, "-o", SETS[kind]], cwd=tmp_path,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while export.poll() is None and not leftovers(tmp_path / "out"):
+        pass
+    export.send_signal(signal.SIGTERM)
+    assert export.wait(60) in (0, 143)
+    assert export.returncode == 0 or not list((tmp_path / "out").iterdir())
+
+
+def own_inputs(folder):
+    """Commands that would write onto what they read, and the file."""
+    radiance, _ = samples(16, 16, 8)
+    write_dump(folder / "a.exr", radiance, reference=radiance.mean(2))
+    write_dump(folder / "x_pieces.exr", radiance, reference=radiance.mean(2))
+    write_dump(folder / "sample_0001.exr", radiance, reference=radiance.mean(2))
+    write_dump(folder / "p_cov.exr", radiance, reference=radiance.mean(2))
+    os.link(folder / "a.exr", folder / "b.exr")
+    os.link(folder / "a.exr", folder / "a.png")
+    yield ["reconstruct", "a.exr", "--filter", "box", "-o", "a.exr"], "a.exr"
+    yield ["reconstruct", "x_pieces.exr", "--filter", "box", "-o", "x.exr"], "x_pieces.exr"
+    yield ["replay", "a.exr", "--sampler", "uniform", "--spp", "2", "-o", "b.exr"], "a.exr"
+    for kind in ("npz", "bcd", "deep-exr"):
+        yield ["convert", "a.exr", "--to", kind, "-o", "./a.exr"], "a.exr"
+    yield ["convert", "a.exr", "--to", "bcd-stats", "-o", "a"], "a.exr"
+    yield ["convert", "p_cov.exr", "--to", "bcd-stats", "-o", "p"], "p_cov.exr"
+    yield ["convert", "sample_0001.exr", "--to", "exr-folder", "-o", "."], "sample_0001.exr"
+    yield ["recover", "a.exr", "b.exr"], "a.exr"
+
+
+def test_no_output_is_an_input(run, good, tmp_path):
+    for words, name in own_inputs(tmp_path):
+        before = (tmp_path / name).read_bytes()
+        done = run(*words, "--force")
+        assert done.code == 2 and "output is the input" in done.err and done.err.count("\n") == 1, (words, done.err)
+        assert (tmp_path / name).read_bytes() == before and not leftovers(tmp_path)
+
+
+def test_no_output_is_an_image_or_a_foreign_file_that_is_read(run, good, tmp_path):
+    radiance, _ = samples(16, 16, 8)
+    write_dump(tmp_path / "a.spool", radiance, reference=radiance.mean(2))
+    good("reconstruct", "a.spool", "--filter", "box", "-o", "i.exr")
+    good("reconstruct", "a.spool", "--filter", "box", "--spp", "2", "-o", "r.exr")
+    good("replay", "a.spool", "--sampler", "uniform", "--spp", "2", "-o", "n.exr")
+    good("convert", "a.spool", "--to", "npz", "-o", "a.npz")
+    good("convert", "a.spool", "--to", "exr-folder", "-o", "f")
+    good("convert", "a.spool", "--to", "deep-exr", "-o", "d.exr")
+    os.link(tmp_path / "i.exr", tmp_path / "i.png")
+    os.link(tmp_path / "i.exr", tmp_path / "i.html")
+    for words, name in ((["reconstruct", "a.spool", "--filter", "box", "--selection", "n.exr", "-o", "n.exr"], "n.exr"),
+                        (["reconstruct", "a.spool", "--filter", "image:i.exr", "-o", "i.exr"], "i.exr"),
+                        (["metrics", "i.exr", "r.exr", "--error-map", "i.exr"], "i.exr"),
+                        (["metrics", "i.exr", "r.exr", "--error-map", "r.exr"], "r.exr"),
+                        (["metrics", "i.exr", "r.exr", "--mask", "m=n.exr", "--error-map", "n.exr"], "n.exr"),
+                        (["picture", "i.exr", "-o", "i.png"], "i.exr"), (["picture", "r.exr", "--like", "i.exr", "-o", "i.png"], "i.exr"),
+                        (["show", "a=i.exr", "r.exr", "-o", "i.html"], "i.exr"), (["show", "r.exr", "--reference", "i.exr", "-o", "i.html"], "i.exr"),
+                        (["pack", "--from", "npz", "a.npz", "-o", "a.npz"], "a.npz"),
+                        (["pack", "--from", "exr-folder", "f", "-o", "f/sample_0003.exr"], "f/sample_0003.exr"),
+                        (["pack", "--from", "deep-exr", "d.exr", "-o", "d.pixel.exr"], "d.pixel.exr")):
+        before = (tmp_path / name).read_bytes()
+        done = run(*words, "--force")
+        assert done.code == 2 and "output is the input" in done.err and done.err.count("\n") == 1, (words, done.err)
+        assert (tmp_path / name).read_bytes() == before and not leftovers(tmp_path)
+
+
+@pytest.mark.parametrize("words", [["convert", "a.spool", "--to", "npz", "-o", "link"], ["convert", "a.spool", "--to", "bcd-stats", "-o", "link"]])
+def test_a_link_to_nothing_is_there(run, tmp_path, words):
+    write_dump(tmp_path / "a.spool", samples(16, 16, 8)[0])
+    for name in ("link", "link_hist.exr"):
+        (tmp_path / name).symlink_to("nowhere")
+    done = run(*words)
+    assert done.code == 2 and ": exists: choose another name" in done.err and not leftovers(tmp_path), done.err

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/target_watch.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/error_metrics.h"
@@ -104,6 +105,9 @@ Result<void> validate(const ShowOptions& options) {
 
 Result<void> run_show(const ShowOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
+  for (const NamedFile& file : named_files(options.images))
+    SPOOL_TRY(format::refuse_own_input(options.output, file.path));
+  SPOOL_TRY(format::refuse_own_input(options.output, options.reference));
   SPOOL_TRY(refuse_existing(options.output, common.force));
   ShowSettings settings = options.settings;
   for (const std::string& text : options.crops) {

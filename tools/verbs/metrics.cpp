@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "formats/target_watch.h"
+#include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/energy_masks.h"
@@ -18,6 +20,15 @@ Result<ForeignPicture> read_variance(const std::filesystem::path& path, const Ne
   auto layer = read_picture(path, {"variance", "", "", ""}, size);
   if (layer || layer.error().code != ErrorCode::kUsage) return layer;
   return read_picture(path, kNoLayerOption, size);
+}
+
+Result<void> check_error_map(const MetricsOptions& options, bool force) {
+  if (options.error_map.empty()) return {};
+  for (const auto& input : {options.image, options.reference, options.variance})
+    SPOOL_TRY(format::refuse_own_input(options.error_map, input));
+  for (const std::string& mask : options.masks)
+    SPOOL_TRY(format::refuse_own_input(options.error_map, mask.substr(mask.find('=') + 1)));
+  return refuse_existing(options.error_map, force);
 }
 
 struct JudgedPictures {
@@ -104,6 +115,7 @@ Result<void> validate(const MetricsOptions& options) {
 
 Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
+  SPOOL_TRY(check_error_map(options, common.force));
   SPOOL_ASSIGN(const MetricOptions metric, metric_settings(options.settings));
   SPOOL_ASSIGN(const JudgedPictures pictures, read_pictures(options));
   const RgbImage& image = pictures.image;

@@ -1,5 +1,6 @@
 #include "tools/verbs/pack.h"
 
+#include "formats/target_watch.h"
 #include "lib/exchange/foreign_formats.h"
 #include "tools/json/answers_json.h"
 #include "tools/terminal/interrupt.h"
@@ -55,6 +56,10 @@ Result<void> pack_foreign(const interchange::ImportFormat& format, const PackVer
 }
 
 Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& common) {
+  std::error_code ignored;
+  for (const auto& source : options.sources)
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(source, ignored))
+      SPOOL_TRY(format::refuse_own_input(options.output, entry.path()));
   format::PackOptions pack = options.pack;
   pack.force = common.force;
   pack.max_expansion = options.max_expansion;

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "formats/target_watch.h"
+#include "lib/image_io/atomic_file.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/image_io/png_writer.h"
@@ -114,6 +116,9 @@ Result<void> run_picture(const PictureOptions& options, const CommonOptions& com
     if (!common.quiet) print_line(fmt::format("{}: {} results", options.image.string(), drawn));
     return {};
   }
+  for (const auto& input : {options.image, options.like})
+    SPOOL_TRY(format::refuse_own_input(options.output, input));
+  SPOOL_TRY(refuse_existing(options.output, common.force));
   std::string remark;
   SPOOL_ASSIGN(const Picture picture, options.false_colour ? false_colour_picture(options, remark)
                                                            : tone_mapped_picture(options, remark));

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "formats/spool_reader.h"
+#include "formats/target_watch.h"
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/reference.h"
 #include "lib/image_io/atomic_file.h"
@@ -123,14 +124,18 @@ ExrFile image_file(Reconstruction& result, bool layers, bool last) {
 }
 
 // Views with a value per piece do not fit into an image of pixels: NAME_pieces.exr.
+std::filesystem::path piece_file(const ReconstructOptions& options) {
+  std::filesystem::path path = options.output;
+  return path.replace_filename(path.stem().string() + "_pieces.exr");
+}
+
 Result<void> write_piece_views(const ReconstructOptions& options, const SamplePool& pool,
                                const Views& views, const CommonOptions& common) {
   ExrFile file;
   file.width = pool.width();
   file.height = pool.height();
   add_view_layers(views, file);
-  std::filesystem::path path = options.output;
-  path.replace_filename(path.stem().string() + "_pieces.exr");
+  const std::filesystem::path path = piece_file(options);
   if (!common.quiet && !common.json) {
     print_line(fmt::format("{}: views of pieces, {} x {}", path.string(), file.width, file.height));
   }
@@ -243,6 +248,11 @@ Result<void> run_reconstruct(const ReconstructOptions& given, const CommonOption
     return fail(ErrorCode::kUsage, "{}: a PNG has no layers: write -o NAME.exr for them",
                 options.output.string());
   }
+  const std::string given_image = options.filter.substr(options.filter.find(':') + 1);
+  for (const std::filesystem::path& input :
+       {options.dump, options.selection, std::filesystem::path(given_image)})
+    for (const std::filesystem::path& output : {options.output, piece_file(options)})
+      SPOOL_TRY(format::refuse_own_input(output, input));
   SPOOL_TRY(refuse_existing(options.output, common.force));
   std::optional<SelectionFile> selection;
   if (!options.selection.empty()) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "formats/target_watch.h"
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/image_io/atomic_file.h"
@@ -102,6 +103,7 @@ Result<Replayed> replay(const ReplayOptions& options, const LoadRecording& load,
 Result<void> run_replay(const ReplayOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
   SPOOL_TRY(check_exr_name(options.output));
+  SPOOL_TRY(format::refuse_own_input(options.output, options.dump));
   SPOOL_TRY(refuse_existing(options.output, common.force));
   std::optional<Progress> progress;  // from when the recording is there
   SPOOL_ASSIGN(const Replayed done,

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/target_watch.h"
 #include "lib/core/guards.h"
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filters.h"
@@ -72,6 +73,10 @@ Result<void> validate(const ReportOptions& options) {
 
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
+  std::error_code ignored;
+  for (const auto& entry : fs::recursive_directory_iterator(options.folder, ignored))
+    if (entry.path().extension() != ".html")
+      SPOOL_TRY(format::refuse_own_input(options.output, entry));
   std::vector<std::string> words;
   // The report is of results.csv: cells that were damaged since are missing in the next.
   if (const auto store = CellStore::open(options.folder); store && store->damaged() > 0)
