@@ -296,6 +296,9 @@ def test_no_output_is_an_image_or_a_foreign_file_that_is_read(run, good, tmp_pat
     good("convert", "a.spool", "--to", "npz", "-o", "a.npz")
     good("convert", "a.spool", "--to", "exr-folder", "-o", "f")
     good("convert", "a.spool", "--to", "deep-exr", "-o", "d.exr")
+    good("evaluate", "a.spool", "--spp", "2", "--replicates", "2", "--no-pictures", "-o", "results")
+    (tmp_path / "a.passes").mkdir()
+    (tmp_path / "a.passes" / "pass.json").write_text("{}")
     os.link(tmp_path / "i.exr", tmp_path / "i.png")
     os.link(tmp_path / "i.exr", tmp_path / "i.html")
     for words, name in ((["reconstruct", "a.spool", "--filter", "box", "--selection", "n.exr", "-o", "n.exr"], "n.exr"),
@@ -305,6 +308,8 @@ def test_no_output_is_an_image_or_a_foreign_file_that_is_read(run, good, tmp_pat
                         (["metrics", "i.exr", "r.exr", "--mask", "m=n.exr", "--error-map", "n.exr"], "n.exr"),
                         (["picture", "i.exr", "-o", "i.png"], "i.exr"), (["picture", "r.exr", "--like", "i.exr", "-o", "i.png"], "i.exr"),
                         (["show", "a=i.exr", "r.exr", "-o", "i.html"], "i.exr"), (["show", "r.exr", "--reference", "i.exr", "-o", "i.html"], "i.exr"),
+                        (["report", "results", "-o", "results/results.csv"], "results/results.csv"),
+                        (["pack", "a.passes", "-o", "a.passes/pass.json"], "a.passes/pass.json"),
                         (["pack", "--from", "npz", "a.npz", "-o", "a.npz"], "a.npz"),
                         (["pack", "--from", "exr-folder", "f", "-o", "f/sample_0003.exr"], "f/sample_0003.exr"),
                         (["pack", "--from", "deep-exr", "d.exr", "-o", "d.pixel.exr"], "d.pixel.exr")):
