@@ -31,7 +31,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     for name in {**components, **scope, **dtypes}:
         if name not in arrays:
             raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")
-    _check_variance(path, arrays)
+    check_variance(path, arrays)
     height, width, spp, _ = arrays["radiance"].shape
     declared = {}
     for name, values in arrays.items():
@@ -52,7 +52,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
             raise
 
 
-def _check_variance(path, arrays):
+def check_variance(path, arrays):
     """Errors are debiased by it: one that is none would make them wrong."""
     variance, mean = arrays.get("reference_variance"), arrays.get("reference")
     if variance is None or variance.ndim != 3:  # its shape is refused later

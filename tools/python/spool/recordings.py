@@ -15,6 +15,7 @@ from .arguments import path as path_of
 from .cells import recording_html
 from .error import SpoolError
 from .record_layout import MAX_SPP
+from .save import check_variance
 
 FEATURES = {"albedo": "RGB", "normal": "XYZ", "depth": "Z"}
 
@@ -96,8 +97,7 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    if "reference_variance" in arrays and (arrays["reference_variance"] < 0).any():
-        raise SpoolError("usage", f"{name}: reference_variance: a variance is at least 0")
+    check_variance(name, arrays)
     held = {key: _frozen(values, np.float64, key) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
     source = _core.Source(name, held["radiance"], held.get("film"),
                           [(key, components, held[key]) for key, components in FEATURES.items() if key in held],
