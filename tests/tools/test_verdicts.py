@@ -132,7 +132,10 @@ def test_the_baseline_is_the_method_of_that_name_and_not_the_first_like_it(good,
         text = good(*evaluated, "--filters", filters).out
         lines = [line.split("  ")[1] for line in text.splitlines() if line.endswith("(baseline)")]
         assert lines == [baseline] and f"ratio to {baseline} at" in text
-        assert json.loads((tmp_path / "out" / "statistics.json").read_text())["baseline"] == baseline
+        statistics = json.loads((tmp_path / "out" / "statistics.json").read_text())
+        assert statistics["baseline"] == baseline
+        alone = [f"{e['sampler']} + {e['filter']}" for c in conditions(statistics, "mse") for e in c["ranking"] if "against_baseline" not in e]
+        assert alone == [baseline]
     text = good(*evaluated, "--filters", "box", "--samplers", "ref=uniform,multiscale").out
     assert "ratio to ref + box at" in text and text.count("(baseline)") == 1
     text = good(*evaluated, "--filters", "box{clamp=on},box{energy=box}").out
