@@ -369,6 +369,18 @@ def test_lists_name_every_option_with_defaults(good):
     assert "samples_spent" in good("list", "columns").out
 
 
+def test_options_that_are_no_method_s_are_in_lists_that_the_help_names(good, dump):
+    rules = {option["name"]: option["defaults"]["default"] for option in good("list", "pool", "--json").json}
+    assert rules == {"nonfinite": "reject", "negative": "keep", "firefly_limit": "inf", "allow_many_rejected": "off"}
+    lists = {"pool": good("list", "pool").out, "metrics": good("list", "metrics").out.split("\n\n")[1]}
+    for part, text in lists.items():
+        assert f"spool list {part}" in " ".join(good("evaluate", "--help").out.split())
+        for name, default in re.findall(r"^  ([a-z]\w+) +\S.*?  +(\S+)  ", text, re.M):
+            good("evaluate", dump, "--spp", 2, "--dry-run", "--set", f"{part}.{name}={default}")
+    assert all(name in lists["pool"] for name in rules) and "rel_scale        mean|none" in lists["metrics"]
+    assert "energy" in good("list", "box").out
+
+
 def test_lists_leave_expert_options_to_all_and_the_page_of_the_method_names_every_option(good):
     page = (Path(__file__).parents[2] / "docs" / "method.md").read_text()
     tables = page[page.index("## 9. Options"):page.index("## Where things are")]

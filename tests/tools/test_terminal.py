@@ -1,5 +1,6 @@
 """What is printed is as wide as the terminal, and does not depend on one where it goes to a file."""
 import fcntl
+import json
 import os
 import pty
 import re
@@ -60,6 +61,17 @@ def test_help_of_the_verb_with_most_options_is_in_groups_that_name_their_use():
     text = piped("evaluate", "--help")
     groups = re.findall(r"^([A-Z][A-Za-z ]+):$", text, re.M)
     assert groups == ["What is compared", "How it is judged", "Time and machines", "What is written", "Common", "More examples"]
+
+
+LISTED = json.loads(piped("list", "--json"))
+
+
+@pytest.mark.parametrize("what", [*LISTED, "presets", *sorted({*LISTED["samplers"], *LISTED["filters"]})])
+def test_lists_fit_80_columns_and_have_all_their_words(what):
+    lines, whole = shown(80, "list", what, "--all"), piped("list", what, "--all")
+    assert [line for line in lines if len(line) > 80] == []
+    lost = set(re.findall(r"\w+", whole)) - set(re.findall(r"\w+", "\n".join(lines)))
+    assert lost <= {"allowed", "meaning", "of"}, "headings of columns"
 
 
 def test_alone_it_fits_80_columns():

@@ -90,8 +90,9 @@ void add_method(CLI::App& verb, MethodOptions& method) {
                   "values of all options at once: see spool list presets");
   repeatable(verb.add_option(
       "--set", method.settings,
-      "an option of a method, PART.OPTION=VALUE; PART is sampler, filter, pool or the "
-      "name of one method; may be given several times"));
+      "PART.OPTION=VALUE; PART is sampler, filter or the name of one method (spool list METHOD), "
+      "pool (spool list pool), or, of evaluate, metrics (spool list metrics); may be given several "
+      "times"));
   group_options(verb, "Options of the method", {"--preset", "--set"});
 }
 

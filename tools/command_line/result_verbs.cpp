@@ -131,8 +131,10 @@ void add_metrics(Program& program) {
   repeatable(
       verb.add_option("--mask", options.masks,
                       "NAME=FILE.exr: energy ratio where the mask is above 0.5; several times"));
-  repeatable(verb.add_option("--set", options.settings,
-                             "OPTION=VALUE of the metrics (spool list metrics): rel_scale=none"));
+  repeatable(
+      verb.add_option("--set", options.settings,
+                      "OPTION=VALUE of the metrics (spool list metrics), but for perceptual=all: "
+                      "rel_scale=none"));
   add_layer(verb, options.layer, "", "of IMAGE");
   add_layer(verb, options.reference_layer, "reference-", "of REFERENCE");
   verb.add_option("--error-map", options.error_map, "also write the squared error of each pixel");

@@ -55,6 +55,10 @@ std::string formats_text(const ListedMethods& formats) {
   return json_text(list);
 }
 
+std::string options_text(const std::vector<ListedOption>& options) {
+  return json_text(options_json(options, false));
+}
+
 std::string presets_text(const std::vector<ListedPreset>& presets) {
   ordered_json root = ordered_json::object();
   for (const ListedPreset& preset : presets) {

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <clocale>
 #include <cwchar>
+#include <ranges>
 #include <sstream>
+#include <utility>
 
 #include "lib/core/visible_text.h"
 
@@ -14,6 +16,7 @@ namespace {
 
 constexpr std::size_t kNarrowest = 20;      // characters: in less nothing is laid out
 constexpr std::size_t kNarrowestFirst = 4;  // a column whose longer cells have lines of their own
+constexpr std::size_t kIndent = 4;          // of what stands below its entry
 constexpr const char* kBetween = "  ";
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -32,6 +35,16 @@ std::size_t sum_of(const Widths& widths) {
 
 bool is_heading(const std::vector<std::string>& row, const Rows& rows) {
   return row.size() == 1 && rows.front().size() > 1;
+}
+
+Widths widths_of(const Rows& rows) {
+  Widths widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size() && !is_heading(row, rows); ++i)
+      widths[i] = std::max(widths[i], column_count(row[i]));
+  }
+  return widths;
 }
 
 // What the columns of text may have so that all fit, the widest first made narrower.
@@ -77,6 +90,16 @@ std::string row_text(const std::vector<std::string>& row, const Widths& widths,
     text += line + "\n";
   }
   return text;
+}
+
+// "NAME: allowed; default=value" and, below, what it means.
+std::string entry_text(const std::vector<std::string>& header, const std::vector<std::string>& row,
+                       std::size_t width) {
+  std::string text = row.front() + ": " + row[1];
+  for (std::size_t i = 2; i + 1 < row.size(); ++i)
+    text += "; " + header[i] + "=" + row[i];
+  const std::string below(text.find_first_not_of(' ') + kIndent, ' ');
+  return wrapped(text, width, kIndent) + "\n" + wrapped(below + row.back(), width) + "\n";
 }
 
 }  // namespace
@@ -139,19 +162,30 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
 
 std::string format_columns(const Rows& rows, std::size_t first_number, std::size_t width) {
   Rows shown = rows;
-  Widths widths;
-  for (auto& row : shown) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      row[i] = visible_text(row[i]);
-      if (!is_heading(row, shown)) widths[i] = std::max(widths[i], column_count(row[i]));
-    }
-  }
+  for (auto& row : shown)
+    for (std::string& cell : row)
+      cell = visible_text(cell);
+  const Widths widths = fitted(widths_of(shown), first_number, width);
   std::string text;
-  widths = fitted(std::move(widths), first_number, width);
   for (const auto& row : shown)
     text += is_heading(row, shown) ? wrapped(row.front(), width, 2) + "\n"
                                    : row_text(row, widths, first_number, width);
+  return text;
+}
+
+std::string format_entries(const Rows& rows, std::size_t width) {
+  Widths widths = widths_of(rows);
+  const std::size_t last = std::exchange(widths.back(), 0), beside = sum_of(widths);
+  std::string text;
+  if (width > 0 && beside + std::min(last, kNarrowest) > width) {
+    text = wrapped(rows.front().front(), width) + "\n";
+    for (const auto& row : rows | std::views::drop(1))
+      text += entry_text(rows.front(), row, width);
+    return text;
+  }
+  widths.back() = width > 0 ? std::min(last, width - beside) : last;
+  for (const auto& row : rows)
+    text += row_text(row, widths, row.size(), width);
   return text;
 }
 

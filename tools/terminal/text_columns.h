@@ -25,4 +25,9 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
 std::string format_columns(const std::vector<std::vector<std::string>>& rows,
                            std::size_t first_number, std::size_t width = line_width());
 
+// A list of options or the like: in columns, of which the last is wrapped; where that leaves it no
+// room, an entry below the other.
+std::string format_entries(const std::vector<std::vector<std::string>>& rows,
+                           std::size_t width = line_width());
+
 }  // namespace spool::tools

@@ -46,28 +46,38 @@ Rows reading_rows(const ListedMethod& method) {
   return rows;
 }
 
+void print_wrapped(const std::string& line) {
+  print(wrapped(line, line_width(), 2) + "\n");
+}
+
 void print_methods(const ListedMethods& list, const std::string& part, bool all) {
   for (const ListedMethod& method : list) {
-    print(fmt::format("{}{}{}: {}\n", method.name,
-                      method.argument.empty() ? "" : ":" + method.argument,
-                      method.by_description ? kByDescriptionMark : "", method.summary));
-    if (method.by_description) print(fmt::format("  {}\n", kByDescription));
-    if (!method.needs.empty()) print(fmt::format("  needs {}\n", fmt::join(method.needs, ", ")));
+    print_wrapped(fmt::format("{}{}{}: {}", method.name,
+                              method.argument.empty() ? "" : ":" + method.argument,
+                              method.by_description ? kByDescriptionMark : "", method.summary));
+    if (method.by_description) print_wrapped(fmt::format("  {}", kByDescription));
+    if (!method.needs.empty())
+      print_wrapped(fmt::format("  needs {}", fmt::join(method.needs, ", ")));
     if (method.footprints) print("  returns its weights: spool pixel --filter\n");
     const Rows rows = option_rows(method.options, part, all);
-    if (!rows.empty()) print(format_columns(rows, 100));
+    if (!rows.empty()) print(format_entries(rows));
     const auto left_out = std::ranges::count_if(
         method.options, [&](const ListedOption& o) { return !all && o.expert && !o.of_every; });
     if (left_out > 0) print(fmt::format("  {} more with --all\n", left_out));
     if (const Rows readings = reading_rows(method); !readings.empty())
-      print(format_columns(readings, 100));
+      print(format_entries(readings));
     print("\n");
   }
 }
 
+// Options that no method has.
+void print_options(const std::vector<ListedOption>& options, const std::string& part) {
+  print(format_entries(option_rows(options, part, true)));
+}
+
 void print_for_every_filter() {
   print("every filter\n");
-  print(format_columns(option_rows(options_of_every_filter(), "filter", true), 100));
+  print_options(options_of_every_filter(), "filter");
   print("\n");
 }
 
@@ -75,7 +85,7 @@ void print_presets(const std::vector<ListedPreset>& presets) {
   for (const ListedPreset& preset : presets) {
     print(preset.name + "\n");
     const auto line = [](const char* kind, const std::vector<std::string>& names) {
-      if (!names.empty()) print(fmt::format("  {}: {}\n", kind, fmt::join(names, ", ")));
+      if (!names.empty()) print_wrapped(fmt::format("  {}: {}", kind, fmt::join(names, ", ")));
     };
     line("samplers", preset.samplers);
     line("filters", preset.filters);
@@ -85,7 +95,7 @@ void print_presets(const std::vector<ListedPreset>& presets) {
 void print_table(const ListedTable& table) {
   Rows rows = table.rows;
   rows.insert(rows.begin(), table.columns);
-  print(format_columns(rows, 100));
+  print(format_entries(rows));
 }
 
 void print_names(const ListedNames& overview) {
@@ -122,14 +132,15 @@ Result<void> list_one(const ListOptions& options, const CommonOptions& common) {
   }
   print_methods(samplers, "sampler", true);
   print_methods(filters, "filter", true);
+  if (!filters.empty()) print_for_every_filter();
   return {};
 }
 
 }  // namespace
 
 std::vector<std::string> lists() {
-  return {"samplers", "filters", "presets", "views",  "metrics",
-          "columns",  "scenes",  "imports", "exports"};
+  return {"samplers", "filters", "presets", "views",   "metrics",
+          "columns",  "scenes",  "imports", "exports", "pool"};
 }
 
 Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
@@ -158,6 +169,12 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
     table(listed_views());
   } else if (what == "metrics") {
     table(listed_metrics());
+    if (common.json) return {};
+    print("\n");
+    print_options(options_of_metrics(), "metrics");
+  } else if (what == "pool") {
+    const std::vector<ListedOption> options = options_of_the_pool();
+    common.json ? print(options_text(options)) : print_options(options, "pool");
   } else if (what == "columns") {
     table(listed_columns());
   } else if (what == "imports") {

@@ -6,6 +6,7 @@
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filter_stage.h"
 #include "lib/metrics/error_metrics.h"
+#include "lib/pool/sanitise.h"
 #include "lib/synthetic/synthetic_scenes.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/view_files.h"
@@ -17,10 +18,13 @@ ListedOption listed(const OptionDescription& option) {
   return {option.name, option.allowed, option.help, option.expert, false, {}};
 }
 
-ListedOption listed_with_default(const OptionDescription& option) {
-  ListedOption with_default = listed(option);
-  with_default.defaults = {{"default", option.value}};
-  return with_default;
+std::vector<ListedOption> with_defaults(const std::vector<OptionDescription>& descriptions) {
+  std::vector<ListedOption> options;
+  for (const OptionDescription& option : descriptions) {
+    options.push_back(listed(option));
+    options.back().defaults = {{"default", option.value}};
+  }
+  return options;
 }
 
 // Options of a method with one default per preset.
@@ -67,11 +71,8 @@ ListedMethods listed(const MethodList<Function>& entries) {
 template <class Formats>
 ListedMethods listed_formats(const Formats& formats) {
   ListedMethods list;
-  for (const auto& format : formats) {
-    list.push_back({format.name, format.summary, {}});
-    for (const OptionDescription& option : format.describe())
-      list.back().options.push_back(listed_with_default(option));
-  }
+  for (const auto& format : formats)
+    list.push_back({format.name, format.summary, with_defaults(format.describe())});
   return list;
 }
 
@@ -91,14 +92,7 @@ const char* better_name(Better better) {
   return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "near 1");
 }
 
-std::vector<std::string> names_of(const ListedMethods& list) {
-  std::vector<std::string> names;
-  for (const ListedMethod& entry : list)
-    names.push_back(entry.name);
-  return names;
-}
-
-std::vector<std::string> names_of(const ListedTable& table) {
+std::vector<std::string> named_in(const ListedTable& table) {
   const auto at = std::ranges::find(table.columns, "name") - table.columns.begin();
   std::vector<std::string> names;
   for (const auto& row : table.rows) {  // views of two methods may have one name
@@ -115,10 +109,15 @@ ListedMethods listed_samplers() {
 }
 
 std::vector<ListedOption> options_of_every_filter() {
-  std::vector<ListedOption> options;
-  for (const OptionDescription& option : stage_options())
-    options.push_back(listed_with_default(option));
-  return options;
+  return with_defaults(stage_options());
+}
+
+std::vector<ListedOption> options_of_the_pool() {
+  return with_defaults(describe_options(sanitise_option_table(), SanitiseRules{}));
+}
+
+std::vector<ListedOption> options_of_metrics() {
+  return with_defaults(describe_options(metric_option_table(), MetricOptions{}));
 }
 
 ListedMethods listed_filters() {
@@ -193,9 +192,10 @@ ListedTable listed_scene_options() {
 
 ListedNames listed_names() {
   return {{"samplers", names_of(listed_samplers())}, {"filters", names_of(listed_filters())},
-          {"metrics", names_of(listed_metrics())},   {"scenes", names_of(listed_scenes())},
-          {"views", names_of(listed_views())},       {"columns", names_of(listed_columns())},
-          {"imports", names_of(listed_imports())},   {"exports", names_of(listed_exports())}};
+          {"metrics", named_in(listed_metrics())},   {"scenes", named_in(listed_scenes())},
+          {"views", named_in(listed_views())},       {"columns", named_in(listed_columns())},
+          {"imports", names_of(listed_imports())},   {"exports", names_of(listed_exports())},
+          {"pool", names_of(options_of_the_pool())}};
 }
 
 }  // namespace spool::tools

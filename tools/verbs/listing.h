@@ -32,6 +32,8 @@ using ListedMethods = std::vector<ListedMethod>;
 ListedMethods listed_samplers();
 ListedMethods listed_filters();
 std::vector<ListedOption> options_of_every_filter();
+std::vector<ListedOption> options_of_the_pool();
+std::vector<ListedOption> options_of_metrics();
 ListedMethods listed_imports();
 ListedMethods listed_exports();
 
