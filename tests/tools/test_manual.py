@@ -42,8 +42,9 @@ def test_each_verb_s_page_has_every_option(good):
 
 
 def test_a_value_is_described_once_in_words_of_a_user():
-    text = {verb: helped(verb, "--help") for verb in ("pack", "convert")}
-    assert "--max-expansion UINT" in text["pack"] and "UINT:" not in text["pack"] and "REQUIRED" not in text["convert"]
+    text = {verb: helped(verb, "--help") for verb in ("pack", "convert", "synth")}
+    assert "--max-expansion 1 .. 1000000" in text["pack"] and "REQUIRED" not in text["convert"]
+    assert "--seed UINT" in text["synth"] and "UINT:" not in text["synth"]
 
 
 @pytest.mark.parametrize("verb", [None, *verbs()])

@@ -53,6 +53,37 @@ def test_misuse_is_exit_code_2_with_the_nearest_word(run, dump):
     run(*replay, "--preset", "none").failed_with(2, "preset")
 
 
+@pytest.mark.parametrize("words, said", {
+    "replay FILE --sampler uniform --spp 2 -o a.exr --order shufled":
+        "--order: 'shufled' is not one of recorded|shuffled, did you mean 'shuffled'?",
+    "compare a b --match 2": "--match: '2' is not one of label|name",
+    "evaluate FILE --timing fast": "--timing: 'fast' is not one of shared|exact",
+    "convert FILE --to npy -o a": "--to: 'npy' is not one of npz|exr-folder|",
+    "completion tcsh": "SHELL: 'tcsh' is not one of bash|zsh|fish",
+    "reconstruct FILE --filter box -o a.exr --spp 4.5": "--spp: '4.5' is not a whole number in 1 .. 65536",
+    "replay FILE --sampler uniform -o a.exr --spp x": "--spp: 'x' is not a number in 0.001 .. 65536",
+    "pack FILE -o a.spool --max-expansion 0": "--max-expansion: '0' is not a whole number in 1 .. 1000000",
+    "synth scene_s -o a.spool --seed x": "--seed: a seed is a whole number from 0 to",
+    "info FILE --threads": "--threads: needs a value, 0 .. 1024",
+    "info FILE --quiet=x": "--quiet: takes no value",
+    "report DIR -o a.html --metric relmes": "unknown metric 'relmes', did you mean 'relmse'?",
+    "figure DIR -o a --metric relmes": "unknown metric 'relmes', did you mean 'relmse'?",
+    "evaluate FILE --spp 2 --set metrics.trims=0": "--set metrics.trims=0: unknown option 'trims', did you mean 'trim'?: see spool list metrics",
+    "metrics a b --set trim=1": "--set trim=1: option trim: 1 is outside 0 .. 0.5: see spool list metrics",
+    "replay FILE --sampler uniform --spp 2 -o a.exr --set pool.negative=0": "'0' is not one of keep|clamp0: see spool list pool"}.items())
+def test_a_value_that_cannot_be_is_answered_with_those_that_can(run, dump, words, said):
+    run(*words.replace("FILE", str(dump)).split()).failed_with(2, said)
+
+
+@pytest.mark.parametrize("words, said", {
+    "--threads 2 info FILE": "--threads: write it behind the verb: see spool info --help",
+    "-q info FILE": "-q: write it behind the verb: see spool info --help",
+    "help evaluate": "unknown verb 'help': see spool evaluate --help",
+    "-v": "unknown option '-v'", "info FILE -z": "unknown option '-z'"}.items())
+def test_a_word_that_stands_elsewhere_is_said_where_it_belongs(run, dump, words, said):
+    run(*words.replace("FILE", str(dump)).split()).failed_with(2, said)
+
+
 @pytest.mark.parametrize("words", [
     "reconstruct FILE --filter box -o a.exr --selection", "reconstruct FILE --filter box -o a.exr --spp", "evaluate FILE --shard",
     "evaluate FILE --executor", "evaluate FILE -o", "metrics FILE FILE --variance", "metrics FILE FILE --error-map",

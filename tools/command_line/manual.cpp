@@ -68,8 +68,7 @@ OptionText text_of(const std::string& verb, const CLI::Option& option) {
     if (option.get_items_expected_max() > 0 && text.value.empty()) text.value = "VALUE";
   }
   text.help = option.get_description();
-  text.choices = known_names(verb, option);
-  if (text.choices.empty()) text.choices = written_choices(option);
+  text.choices = choices_of(verb, option);
   text.required = option.get_required();
   text.several = option.get_items_expected_max() > 1 ||
                  option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
@@ -93,6 +92,11 @@ ProgramText text_of(const CLI::App& app) {
 }
 
 }  // namespace
+
+std::vector<std::string> choices_of(const std::string& verb, const CLI::Option& option) {
+  const std::vector<std::string> names = known_names(verb, option);
+  return names.empty() ? written_choices(option) : names;
+}
 
 void add_completion(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(

@@ -5,6 +5,8 @@
 
 namespace spool::tools {
 
+// Every value that the option of the verb may have; empty: any.
+std::vector<std::string> choices_of(const std::string& verb, const CLI::Option& option);
 void add_completion(Program& program);
 void add_man(Program& program);
 

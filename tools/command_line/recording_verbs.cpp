@@ -71,9 +71,11 @@ void add_pack(Program& program) {
       "--set", program.pack.settings,
       "import.OPTION=VALUE, an option of the foreign format: see spool list imports"));
   add_layer(verb, program.pack.layer, "", "of each image (--from exr-folder)");
-  verb.add_option("--max-expansion", program.pack.max_expansion,
-                  "how many times larger than its source the recording may be (100)")
-      ->check(CLI::Range(uint64_t{1}, interchange::kMaxExpansionTimes));
+  constexpr std::uint64_t kMost = interchange::kMaxExpansionTimes;
+  within(verb.add_option("--max-expansion", program.pack.max_expansion,
+                         "how many times larger than its source the recording may be (100)"),
+         {1, kMost})
+      ->check(CLI::Range(std::uint64_t{1}, kMost).description(""));
   group_options(verb, "Foreign files", {"--from", "--set", "--layer", "--part"});
   add_common(verb, program.common, true, true);
   verb.footer(

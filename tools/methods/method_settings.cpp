@@ -114,7 +114,10 @@ Result<Options> make_options(std::string_view part, const OptionTable<Options>& 
   for (Setting& setting : settings) {
     if (setting.part != part) continue;
     setting.used = true;
-    SPOOL_TRY(set_option(table, options, setting.option, setting.value));
+    const Result<void> set = set_option(table, options, setting.option, setting.value);
+    if (!set)
+      return fail(ErrorCode::kUsage, "--set {}: {}: see spool list {}", setting.text,
+                  set.error().message, part);
   }
   return options;
 }

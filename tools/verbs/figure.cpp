@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "lib/metrics/metric_options.h"
 #include "tools/methods/external_methods.h"
 #include "tools/verbs/evaluate.h"
 #include "tools/verbs/option_bounds.h"
@@ -24,6 +25,7 @@ std::string built_in_names() {
 }  // namespace
 
 Result<void> validate(const FigureOptions& options) {
+  if (!options.metric.empty()) SPOOL_TRY(metrics_named({options.metric}));
   SPOOL_TRY(check_bounds("spp", options.spp, kFigureSpp));
   return check_bounds("column", options.column, kColumns);
 }

@@ -78,8 +78,11 @@ Result<MetricOptions> metric_settings(const std::vector<std::string>& settings) 
     if (equals == std::string::npos) {
       return fail(ErrorCode::kUsage, "--set {}: write OPTION=VALUE, for example trim=0.01", text);
     }
-    SPOOL_TRY(
-        set_option(metric_option_table(), metric, text.substr(0, equals), text.substr(equals + 1)));
+    const Result<void> set =
+        set_option(metric_option_table(), metric, text.substr(0, equals), text.substr(equals + 1));
+    if (!set)
+      return fail(ErrorCode::kUsage, "--set {}: {}: see spool list metrics", text,
+                  set.error().message);
   }
   return metric;
 }

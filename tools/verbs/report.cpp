@@ -10,6 +10,7 @@
 #include "lib/core/guards.h"
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filters.h"
+#include "lib/metrics/metric_options.h"
 #include "lib/sampling/samplers.h"
 #include "tools/batch/cell_store.h"
 #include "tools/verbs/option_bounds.h"
@@ -68,6 +69,7 @@ Result<std::string> make_report(const ReportOptions& options, std::vector<std::s
 }  // namespace
 
 Result<void> validate(const ReportOptions& options) {
+  if (!options.metric.empty()) SPOOL_TRY(metrics_named({options.metric}));
   return check_bounds("max-image-mb", options.max_image_mb, kImageMb);
 }
 
