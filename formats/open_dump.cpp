@@ -205,9 +205,8 @@ Result<void> place_blocks(OpenDump& dump) {
   }
   dump.missing_blocks = static_cast<uint32_t>(dump.geometry.slot_count() - data_records);
   if (((dump.footer.flags & kFlagComplete) != 0) != (dump.missing_blocks == 0)) {
-    return refuse(dump,
-                  {kDamaged, fmt::format("footer flag `complete` is wrong: {} blocks are absent",
-                                         dump.missing_blocks)});
+    return refuse(dump, {kDamaged, fmt::format("footer flag `complete` is wrong: absent blocks: {}",
+                                               dump.missing_blocks)});
   }
   return {};
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/ranges.h>
 
+#include "lib/core/counted.h"
 #include "lib/image_io/colour_space.h"
 #include "lib/image_io/exr_image.h"
 
@@ -173,9 +174,7 @@ std::string remark_line(const std::string& file, const ForeignPicture& picture) 
   std::size_t odd = 0;
   for (std::size_t i = 0; i < picture.rgb[0].size(); ++i)
     odd += !std::isfinite(picture.rgb[0][i] + picture.rgb[1][i] + picture.rgb[2][i]);
-  if (odd > 0)
-    remarks.push_back(odd == 1 ? "1 pixel is not finite"
-                               : fmt::format("{} pixels are not finite", odd));
+  if (odd > 0) remarks.push_back(counted(odd, "pixel is not finite", "pixels are not finite"));
   return remark_line(file, remarks);
 }
 

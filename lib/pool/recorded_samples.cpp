@@ -1,5 +1,6 @@
 #include "lib/pool/recorded_samples.h"
 
+#include "lib/core/counted.h"
 #include "lib/pool/scan_block.h"
 
 namespace spool {
@@ -114,7 +115,7 @@ Result<void> RecordedSamples::judge_scan() const {
                                  report_.first_sample);
   if (rules_.nonfinite == NonFiniteRule::kError) {
     return fail(ErrorCode::kData,
-                "{}: {} of {} samples are not finite or above 1e15 ({}): leave them out "
+                "{}: not finite or above 1e15: {} of {} samples ({}): leave them out "
                 "with --set pool.nonfinite=reject, or record them again",
                 name_, report_.nonfinite, report_.samples, where);
   }
@@ -122,15 +123,15 @@ Result<void> RecordedSamples::judge_scan() const {
   if (static_cast<double>(report_.nonfinite) >
       kNonFiniteError * static_cast<double>(report_.samples)) {
     return fail(ErrorCode::kData,
-                "{}: {} of {} samples are not finite or above 1e15 ({}), more than 1 %: "
+                "{}: not finite or above 1e15: {} of {} samples ({}), more than 1 %: "
                 "record them again, or go on with --set pool.allow_many_rejected=on",
                 name_, report_.nonfinite, report_.samples, where);
   }
   if (report_.empty_pixels > 0) {
     return fail(ErrorCode::kData,
-                "{}: {} pixels keep no finite sample ({}): record them again, or go on with --set "
+                "{}: {} no finite sample ({}): record them again, or go on with --set "
                 "pool.allow_many_rejected=on",
-                name_, report_.empty_pixels, where);
+                name_, counted(report_.empty_pixels, "pixel keeps", "pixels keep"), where);
   }
   return {};
 }

@@ -367,7 +367,7 @@ def test_a_limit_below_the_sweep_is_refused(run, dump, tmp_path):
     (tmp_path / "sweep.toml").write_text(f'recordings = ["{dump}"]\nspp = [4]\nthreads = [1, 2]\n[[sampler]]\nname = "uniform"\n'
                                          '[[filter]]\nname = "box"\n')
     for what in (("sweep.toml",), (dump, "--spp", 4, "--sweep-threads", "2,1")):
-        run("evaluate", *what, "-o", "out", "--threads", 1).failed_with(2, "--threads 1: 2 threads are part of the sweep: leave --threads out")
+        run("evaluate", *what, "-o", "out", "--threads", 1).failed_with(2, "--threads 1: the sweep goes up to 2: leave --threads out")
 
 
 def test_threads_may_be_swept_over_and_repeats_give_spreads(good, dump, tmp_path):

@@ -129,9 +129,9 @@ def test_info_shows_what_the_verification_found(good, tmp_path):
     info = good("info", "kept.spool", "--json").json
     assert info["verified"] is False and info["meta"]["verification"]["findings"] == claims
     short = good("info", "kept.spool").out
-    assert "FAILS: 1 claims hold, 1 fail, 1 not known" in short and "layer depth FAILS" in short and "film x uniform" not in short
+    assert "FAILS: 1 claim holds, 1 fails, 1 not known" in short and "layer depth FAILS" in short and "film x uniform" not in short
     text = good("info", "kept.spool", "--all").out
-    assert "FAILS: 1 claims hold, 1 fail, 1 not known" in text
+    assert "FAILS: 1 claim holds, 1 fails, 1 not known" in text
     assert "film x uniform holds: spread 0.2880, expected 0.2887, p = 0.43" in text
     assert "layer depth FAILS: range 0" in text
     odd = {"holds": "perhaps", "findings": [3, {"name": []}]}
@@ -151,7 +151,7 @@ def test_check_finds_cut_and_flipped_bytes(good, run, dump, tmp_path):
     flipped[len(data) // 2] ^= 4
     (tmp_path / "flipped.spool").write_bytes(flipped)
     finished = run("check", "flipped.spool")
-    finished.failed_with(4, "flipped.spool")
+    finished.failed_with(4, "flipped.spool: 1 damaged place, 1 block lost (first at byte ")
     assert "damaged" in finished.out
     report = run("check", "flipped.spool", "--json").json
     assert len(report["damaged"]) == 1 and not report["complete"]
@@ -164,7 +164,7 @@ def test_recover_saves_what_is_intact(good, run, dump, tmp_path):
     finished = run("recover", "bad.spool", "saved.spool", "--json")
     finished.failed_with(4, "saved.spool", "15 of 16 blocks kept, 1 damaged")
     assert len(finished.json["lost"]) == 1
-    run("check", "saved.spool").failed_with(4, "never recorded")
+    run("check", "saved.spool").failed_with(4, "1 block was never recorded: the rest is intact")
     run("recover", "bad.spool", "saved.spool").failed_with(2, "saved.spool")
     whole = good("recover", dump, "copy.spool")
     assert "nothing was lost" in whole.out and good("check", "copy.spool")
@@ -189,6 +189,16 @@ def test_synth_writes_a_scene_with_its_exact_reference(good, run, tmp_path):
     run("synth", names[0] + "x", "-o", "t.spool").failed_with(2, f"did you mean '{names[0]}'")
     run("synth", names[0], "--size", "20", "--set", "nothing=1", "-o", "t.spool").failed_with(2, "nothing")
     run("synth", names[0], "--size", "wide", "-o", "t.spool").failed_with(2, "WxH")
+
+
+def test_one_is_singular_and_two_are_plural(good, run):
+    for n, word in ((1, "1 sample"), (2, "2 samples")):
+        assert f"{word} each" in good("synth", "constant", "--size", f"{n}x1", "--samples", n, "-o", f"{n}.spool").out
+        assert f"{word} to take" in good("pixel", f"{n}.spool", "--at", "0,0").out
+    replay = "replay", "--sampler", "uniform", "--spp"
+    assert "1 sample taken of 1 asked for, 1 piece ran out" in good(*replay, 1, "1.spool", "-o", "1.exr").out
+    assert "4 samples taken of 4 asked for, 2 pieces ran out" in good(*replay, 2, "2.spool", "-o", "2.exr").out
+    run(*replay, 2, "1.spool", "-o", "a.exr").failed_with(1, "--spp 2 asks for 2 samples, the recording has 1: use --spp 1")
 
 
 def test_synth_dumps_hold_the_exact_variance_of_a_sample(good, tmp_path):

@@ -34,7 +34,7 @@ def test_info_shows_remarks_as_one_line_each(good, evil_dump):
     harmless(good("info", evil_dump).out)
     text = good("info", evil_dump, "--all").out
     harmless(text)
-    assert [line.split() for line in text.splitlines() if line.startswith("verified")] == ["verified yes: 1 claims hold".split()]
+    assert [line.split() for line in text.splitlines() if line.startswith("verified")] == ["verified yes: 1 claim holds".split()]
     assert "\\u001b]0;PWNED\\u0007" in text and "\\n\\nverified" in text
 
 

@@ -41,7 +41,8 @@ void add_recover(Program& program) {
   verb.add_option("OUT", program.recover.output, "the recording to write")->required();
   add_common(verb, program.common, true, true);
   verb.footer(
-      "Exit code 4 and a list of what is lost when anything is; the new file is whole in itself.\n"
+      "Exit code 4 and a list of what is lost when anything is. What the new file holds is whole; "
+      "to spool check the blocks that were lost are ones that were never recorded.\n"
       "Examples:\n"
       "  spool recover damaged.spool saved.spool\n"
       "  spool recover night.spool.partial saved.spool  (an interrupted recording)");

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "lib/core/counted.h"
 #include "lib/core/guards.h"
 #include "lib/image_io/counts_exr.h"
 #include "lib/statistics/joined_halves.h"
@@ -230,11 +231,10 @@ Result<Selection> apply_selection(const SelectionFile& file, const std::filesyst
   for (int y = 0; y < file.n.height(); ++y) {
     for (int x = 0; x < file.n.width(); ++x) {
       if (file.n(x, y) > pool.capacity(x, y)) {
-        return fail(
-            ErrorCode::kData,
-            "{}: asks for {} samples where the recording has {} (pixel {}, {}): record more or "
-            "ask for fewer",
-            path.string(), file.n(x, y), pool.capacity(x, y), x, y);
+        return fail(ErrorCode::kData,
+                    "{}: asks for {} where the recording has {} (pixel {}, {}): record more or "
+                    "ask for fewer",
+                    path.string(), counted(file.n(x, y), "sample"), pool.capacity(x, y), x, y);
       }
     }
   }

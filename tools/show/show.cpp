@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "formats/target_watch.h"
+#include "lib/core/counted.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/foreign_picture.h"
 #include "lib/metrics/error_metrics.h"
@@ -134,9 +135,9 @@ Result<void> run_show(const ShowOptions& options, const CommonOptions& common) {
                run_generator("show_page", {}, planes, {"spool show", "numpy", "python3-numpy"}));
   SPOOL_TRY(write_text_file(options.output, html, common.force));
   if (!common.quiet) {
-    print_line(fmt::format("{}: {}, {} image{}", options.output.string(),
-                           format_bytes(static_cast<double>(html.size())), images.size(),
-                           images.size() == 1 ? "" : "s"));
+    print_line(fmt::format("{}: {}, {}", options.output.string(),
+                           format_bytes(static_cast<double>(html.size())),
+                           counted(images.size(), "image")));
   }
   return {};
 }

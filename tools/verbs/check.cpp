@@ -2,6 +2,7 @@
 
 #include "formats/dump_check.h"
 #include "formats/spool_recovery.h"
+#include "lib/core/counted.h"
 #include "tools/json/answers_json.h"
 
 namespace spool::tools {
@@ -23,7 +24,8 @@ void print_text(const std::string& name, const format::CheckReport& report) {
   for (const auto& block : report.missing)
     print_line("missing  " + describe_block(block));
   if (report.complete) {
-    print_line(fmt::format("{}: whole: {} records, {}, every byte verified", name, report.records,
+    print_line(fmt::format("{}: whole: {}, {}, every byte verified", name,
+                           counted(report.records, "record"),
                            format_bytes(static_cast<double>(report.bytes))));
   }
 }
@@ -31,8 +33,8 @@ void print_text(const std::string& name, const format::CheckReport& report) {
 // What a cut took away leaves no trace in the file: those blocks are known from the geometry alone.
 std::string balance(const format::RecoveryReport& report) {
   std::string text = fmt::format(
-      "{} of {} blocks kept, {}", report.kept_blocks,
-      report.kept_blocks + report.lost.size() + report.absent.size(),
+      "{} of {} kept, {}", report.kept_blocks,
+      counted(report.kept_blocks + report.lost.size() + report.absent.size(), "block"),
       report.lost_records > 0 ? fmt::format("{} damaged", report.lost.size()) : "none damaged");
   if (!report.absent.empty()) {
     text += fmt::format(", {} not there: {}", report.absent.size(),
@@ -46,11 +48,10 @@ void print_text(const RecoverOptions& options, const format::RecoveryReport& rep
     print_line(describe_record(record));
   for (const auto& block : report.lost)
     print_line("lost     " + describe_block(block));
-  print_line(
-      fmt::format("{}: {}", options.output.string(),
-                  report.anything_lost() || !report.absent.empty()
-                      ? balance(report)
-                      : fmt::format("{} blocks kept, nothing was lost", report.kept_blocks)));
+  print_line(fmt::format("{}: {}", options.output.string(),
+                         report.anything_lost() || !report.absent.empty()
+                             ? balance(report)
+                             : counted(report.kept_blocks, "block") + " kept, nothing was lost"));
 }
 
 }  // namespace
@@ -65,14 +66,14 @@ Result<void> run_check(const CheckOptions& options, const CommonOptions& common)
   }
   if (report.complete) return {};
   if (report.intact()) {
-    return fail(ErrorCode::kDamage, "{}: {} blocks were never recorded: the rest is intact", name,
-                report.missing.size());
+    return fail(ErrorCode::kDamage, "{}: {} never recorded: the rest is intact", name,
+                counted(report.missing.size(), "block was", "blocks were"));
   }
-  return fail(ErrorCode::kDamage, "{}: {} damaged places, {} blocks lost{}", name,
-              report.damaged.size(), report.missing.size(),
-              report.damaged.empty()
-                  ? std::string()
-                  : fmt::format(" (first at byte {})", report.damaged.front().offset));
+  return fail(
+      ErrorCode::kDamage, "{}: {}, {} lost{}", name,
+      counted(report.damaged.size(), "damaged place"), counted(report.missing.size(), "block"),
+      report.damaged.empty() ? std::string()
+                             : fmt::format(" (first at byte {})", report.damaged.front().offset));
 }
 
 Result<void> run_recover(const RecoverOptions& options, const CommonOptions& common) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
 #include "tools/batch/result_changes.h"
 #include "tools/json/answers_json.h"
@@ -69,9 +70,9 @@ std::string text_of(const Comparisons& outcome, bool all) {
   list("no error at all, like the reference itself", without_error);
   const bool paired = std::ranges::any_of(outcome.changes, &Change::paired);
   std::string notes = fmt::format(
-      "{} comparisons ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
+      "{} ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
       "{} identical, {} not compared.\n",
-      outcome.changes.size(), paired ? "paired by replicate" : "independent",
+      counted(outcome.changes.size(), "comparison"), paired ? "paired by replicate" : "independent",
       count(outcome, Verdict::kBetter), count(outcome, Verdict::kWorse),
       count(outcome, Verdict::kUndecided), count(outcome, Verdict::kIdentical),
       count(outcome, Verdict::kUnknown));

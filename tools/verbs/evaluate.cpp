@@ -154,9 +154,8 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
 Result<void> check_sweep(const Plan& plan, const CommonOptions& common) {
   const int most = std::ranges::max(plan.threads);
   if (common.threads == 0 || common.threads >= most) return {};
-  return fail(ErrorCode::kUsage,
-              "--threads {}: {} threads are part of the sweep: leave --threads out", common.threads,
-              most);
+  return fail(ErrorCode::kUsage, "--threads {}: the sweep goes up to {}: leave --threads out",
+              common.threads, most);
 }
 
 Result<void> compute_statistics(const EvaluateOptions& options, const CommonOptions& common) {

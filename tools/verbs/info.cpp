@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/interchange/sha256.h"
+#include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
 #include "tools/json/json_text.h"
 #include "tools/verbs/dump_meta.h"
@@ -124,7 +125,7 @@ void add_verification(const ordered_json& meta, std::vector<std::vector<std::str
     rows.push_back({"verified", "no: dumps/verify/verify.py FILE --write tests the samples"});
     return;
   }
-  int holding = 0, failing = 0, unknown = 0;
+  unsigned holding = 0, failing = 0, unknown = 0;
   std::vector<std::vector<std::string>> claims;
   const ordered_json findings = found->value("findings", ordered_json::array());
   for (const ordered_json& claim : findings) {
@@ -145,10 +146,10 @@ void add_verification(const ordered_json& meta, std::vector<std::vector<std::str
   const ordered_json whole = found->value("holds", ordered_json(nullptr));
   const bool fails = failing > 0 || whole == ordered_json(false);
   const char* verdict = fails ? "FAILS" : holding > 0 ? "yes" : "not known";
-  rows.push_back(
-      {"verified", fmt::format("{}: {} claims hold{}{}", verdict, holding,
-                               failing > 0 ? fmt::format(", {} fail", failing) : "",
-                               unknown > 0 ? fmt::format(", {} not known", unknown) : "")});
+  rows.push_back({"verified",
+                  fmt::format("{}: {}{}{}", verdict, counted(holding, "claim holds", "claims hold"),
+                              failing > 0 ? ", " + counted(failing, "fails", "fail") : "",
+                              unknown > 0 ? fmt::format(", {} not known", unknown) : "")});
   rows.insert(rows.end(), claims.begin(), claims.end());
 }
 

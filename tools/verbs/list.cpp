@@ -173,8 +173,8 @@ Result<void> run_list(const ListOptions& options, const CommonOptions& common) {
     print("\n");
     print_options(options_of_metrics(), "metrics");
   } else if (what == "pool") {
-    const std::vector<ListedOption> options = options_of_the_pool();
-    common.json ? print(options_text(options)) : print_options(options, "pool");
+    const std::vector<ListedOption> rules = options_of_the_pool();
+    common.json ? print(options_text(rules)) : print_options(rules, "pool");
   } else if (what == "columns") {
     table(listed_columns());
   } else if (what == "imports") {

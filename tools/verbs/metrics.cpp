@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "formats/target_watch.h"
+#include "lib/core/counted.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/exr_image.h"
 #include "lib/image_io/foreign_picture.h"
@@ -100,8 +101,8 @@ Result<void> check_same_size(const RgbImage& image, const RgbImage& reference,
 Result<void> check_finite(const MetricTable& table, const std::string& name,
                           const std::string& reference) {
   const auto were = [](std::uint64_t count) {
-    return fmt::format("{} {} not finite and {} left out", count,
-                       count == 1 ? "pixel is" : "pixels are", count == 1 ? "was" : "were");
+    return counted(count, "pixel is not finite and was left out",
+                   "pixels are not finite and were left out");
   };
   const std::uint64_t ours = table.excluded_estimate, theirs = table.excluded_reference;
   if (ours == 0 && theirs == 0) return {};
@@ -150,9 +151,9 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
   } else {
     print(format_columns(rows, 2));
     print(
-        fmt::format("\n{} pixels judged; relative metrics after a factor {:.4g} on both images "
+        fmt::format("\n{} judged; relative metrics after a factor {:.4g} on both images "
                     "(--set rel_scale=none: as they are); +- one standard error\n",
-                    table.pixels, table.relative_scale));
+                    counted(table.pixels, "pixel"), table.relative_scale));
   }
   if (!options.error_map.empty()) {
     ExrFile map{image[0].width(), image[0].height(), {}};

@@ -1,6 +1,7 @@
 #include "tools/verbs/pack.h"
 
 #include "formats/target_watch.h"
+#include "lib/core/counted.h"
 #include "lib/exchange/foreign_formats.h"
 #include "tools/json/answers_json.h"
 #include "tools/terminal/interrupt.h"
@@ -11,8 +12,8 @@ namespace {
 
 std::string first_line(const PackVerbOptions& options, unsigned width, unsigned height,
                        unsigned spp) {
-  return fmt::format("{}: {} x {} pixels, {} samples each", options.output.string(), width, height,
-                     spp);
+  return fmt::format("{}: {} x {} pixels, {} each", options.output.string(), width, height,
+                     counted(spp, "sample"));
 }
 
 using interchange::ImportReport;
@@ -71,7 +72,7 @@ Result<void> pack_folders(const PackVerbOptions& options, const CommonOptions& c
     print_line(fmt::format(
         "{}, {}, {}", first_line(options, report.width, report.height, report.spp),
         format_bytes(static_cast<double>(report.bytes)),
-        report.reference_spp > 0 ? fmt::format("reference of {} samples", report.reference_spp)
+        report.reference_spp > 0 ? "reference of " + counted(report.reference_spp, "sample")
                                  : "no reference"));
     if (!report.remark.empty()) print_line(report.remark);
   }

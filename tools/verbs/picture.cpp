@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "formats/target_watch.h"
+#include "lib/core/counted.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/image_io/contact_sheet.h"
 #include "lib/image_io/foreign_picture.h"
@@ -113,7 +114,7 @@ Result<void> run_picture(const PictureOptions& options, const CommonOptions& com
   if (!options.flip_maps.empty()) return make_flip_maps(options.image, options.flip_maps);
   if (options.output.empty()) {
     SPOOL_ASSIGN(const std::size_t drawn, draw_pictures(options.image, common));
-    if (!common.quiet) print_line(fmt::format("{}: {} results", options.image.string(), drawn));
+    if (!common.quiet) print_line(options.image.string() + ": " + counted(drawn, "result"));
     return {};
   }
   for (const auto& input : {options.image, options.like})

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <utility>
 
+#include "lib/core/counted.h"
 #include "lib/core/random.h"
 #include "lib/pool/load_recording.h"
 #include "tools/json/pixel_json.h"
@@ -47,8 +48,8 @@ Result<Place> parse_place(const std::string& text, const SamplePool& pool) {
 void print_pixel(const PixelAnswer& pixel) {
   const std::string taken =
       pixel.taken ? fmt::format(", {} took {}", pixel.sampler, *pixel.taken) : "";
-  print_line(
-      fmt::format("pixel {},{}: {} samples to take{}", pixel.x, pixel.y, pixel.capacity, taken));
+  print_line(fmt::format("pixel {},{}: {} to take{}", pixel.x, pixel.y,
+                         counted(pixel.capacity, "sample"), taken));
   std::vector<std::vector<std::string>> rows = {
       {"take", "recorded", "R", "G", "B", "mean luminance", "95 % from", "to"}};
   const auto number = [](double value) {

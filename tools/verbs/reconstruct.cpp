@@ -5,6 +5,7 @@
 
 #include "formats/spool_reader.h"
 #include "formats/target_watch.h"
+#include "lib/core/counted.h"
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/reference.h"
 #include "lib/image_io/atomic_file.h"
@@ -31,10 +32,9 @@ Result<CountImage> uniform_counts(const SamplePool& pool, int spp) {
     for (int x = 0; x < n.width(); ++x) {
       const int capacity = pool.capacity(x, y);
       if (q == 1 && spp > capacity) {
-        return fail(
-            ErrorCode::kData,
-            "{}: {} samples of a pixel asked for, the recording has {} (pixel {}, {}): use fewer",
-            pool.recording().name(), spp, capacity, x, y);
+        return fail(ErrorCode::kData,
+                    "{}: {} of a pixel asked for, the recording has {} (pixel {}, {}): use fewer",
+                    pool.recording().name(), counted(spp, "sample"), capacity, x, y);
       }
       n(x, y) = spp == 0 ? capacity : std::min(capacity, (spp + q * q - 1) / (q * q));
     }

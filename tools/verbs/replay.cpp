@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "formats/target_watch.h"
+#include "lib/core/counted.h"
 #include "lib/experiment/decision_split.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/image_io/atomic_file.h"
@@ -46,8 +47,7 @@ Result<long long> checked_budget(const SamplePool& pool, double spp) {
   if (budget > pool.total_capacity()) {
     return fail(
         ErrorCode::kData,
-        "{}: {} samples per pixel are {} samples, the recording has {}: use --spp {} or record "
-        "more",
+        "{}: --spp {} asks for {} samples, the recording has {}: use --spp {} or record more",
         recording.name(), spp, budget, pool.total_capacity(),
         pool.total_capacity() / (static_cast<long long>(recording.width()) *
                                  static_cast<long long>(recording.height())));
@@ -127,9 +127,9 @@ Result<void> run_replay(const ReplayOptions& options, const CommonOptions& commo
   if (common.json) {
     print(replay_text({options.sampler, options.output, done.guards, done.seconds}, log));
   } else if (!common.quiet) {
-    print_line(fmt::format("{}: {} samples taken of {} asked for, {} pieces ran out, {}",
-                           options.output.string(), log.spent, log.budget, log.saturated_pieces,
-                           format_seconds(done.seconds)));
+    print_line(fmt::format("{}: {} taken of {} asked for, {} ran out, {}", options.output.string(),
+                           counted(log.spent, "sample"), log.budget,
+                           counted(log.saturated_pieces, "piece"), format_seconds(done.seconds)));
   }
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "lib/core/counted.h"
 #include "lib/image_io/atomic_file.h"
 #include "lib/synthetic/write_synthetic.h"
 #include "tools/terminal/interrupt.h"
@@ -66,8 +67,8 @@ Result<void> run_synth(const SynthOptions& options, const CommonOptions& common)
   SPOOL_TRY(synthesise(options, common.force, [&](double share) { progress.update(share); }));
   if (!common.quiet) {
     SPOOL_ASSIGN(const auto size, parse_size(options.size));
-    print_line(fmt::format("{}: {} x {} pixels, {} samples each, exact reference",
-                           options.output.string(), size.first, size.second, options.spp));
+    print_line(fmt::format("{}: {} x {} pixels, {} each, exact reference", options.output.string(),
+                           size.first, size.second, counted(options.spp, "sample")));
   }
   return {};
 }
