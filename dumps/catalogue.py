@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
 from dumps.pool_run import RECORDERS, cache
-from dumps.recording.failure import one_line
+from dumps.recording.failure import guarded, one_line
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PATH = os.path.join(HERE, "CATALOG.toml")
@@ -140,4 +140,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded(main, "catalogue"))

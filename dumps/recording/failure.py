@@ -2,6 +2,8 @@
 
 1 the scene cannot be recorded, 2 wrong use, 3 the operating system or the renderer refused.
 """
+import os
+import signal
 import sys
 
 LONGEST = 380            # characters of a line; with the name of a program before it at most 400
@@ -36,7 +38,12 @@ def guarded(work, name="", resumable=False):
     resumable: an interrupted command goes on when it is given again."""
     before = name + ": " if name else ""
     try:
-        return work() or 0
+        code = work() or 0
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # the reader, `head` for example, has what it wanted: ended as by the signal
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 128 + signal.SIGPIPE
     except KeyboardInterrupt:
         if not resumable:
             raise

@@ -1,4 +1,5 @@
 """Progress: how much is done and how long the rest takes; a bar on a terminal, a line a minute in a log file."""
+import os
 import sys
 import time
 
@@ -10,7 +11,7 @@ class Progress:
 
     def __init__(self, label, total):
         self.label, self.total = label, total
-        self.shown = sys.stderr.isatty()
+        self.shown = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self.start, self.done = time.monotonic(), 0
         self.last = 0.0 if self.shown else self.start
 

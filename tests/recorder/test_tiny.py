@@ -118,6 +118,15 @@ def test_the_catalogue_prints_commands():
     assert len(told().stdout.splitlines()) == 2 * len(ENTRIES)
 
 
+@pytest.mark.parametrize("program", ["catalogue.py", "pools.py"])
+def test_a_reader_that_goes_away_ends_a_list_quietly(program):
+    reading, writing = os.pipe()
+    os.close(reading)
+    ended = subprocess.run([sys.executable, DUMPS / program], stdout=writing, stderr=subprocess.PIPE, text=True)
+    os.close(writing)
+    assert (ended.returncode, ended.stderr) == (141, "")
+
+
 def test_the_page_shows_what_is_pinned():
     printed = subprocess.run([sys.executable, ROOT / "dumps/pools.py", "--table"], capture_output=True, text=True, check=True).stdout
     assert len(printed.splitlines()) > 12 and printed in (ROOT / "docs/recording.md").read_text()

@@ -55,6 +55,13 @@ def test_groff_has_nothing_to_warn_of(good, tmp_path, verb):
     assert done.stderr == ""
 
 
+@pytest.mark.parametrize("verb", [None, *verbs()])
+def test_pages_fit_80_columns(good, tmp_path, verb):
+    page = good("man", *([verb] if verb else [])).out
+    done = subprocess.run(["groff", "-man", "-Tutf8", "-P-c", "-rLL=78n"], input=page, capture_output=True, text=True, check=True)
+    assert [line for line in re.sub(".\b", "", done.stdout).splitlines() if len(line) > 80] == []
+
+
 def test_a_page_that_exists_is_replaced_only_by_force(run, good):
     good("man", "-o", "pages")
     run("man", "-o", "pages").failed_with(2, "spool.1", "--force")

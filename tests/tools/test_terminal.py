@@ -14,11 +14,12 @@ from conftest import PROGRAM, samples, write_dump
 LONG = "a_long_name_of_a_filter_of_ones_own_under_study"
 
 
-def shown(columns, *arguments, folder="."):
+def shown(columns, *arguments, folder=".", stream="stdout", **environment):
     """What the program prints on a terminal of so many columns, as lines."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
-    process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=theirs, stderr=subprocess.DEVNULL, cwd=folder)
+    streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, stream: theirs}
+    process = subprocess.Popen([PROGRAM, *map(str, arguments)], **streams, cwd=folder, env={**os.environ, **environment})
     os.close(theirs)
     text = b""
     while True:
@@ -72,6 +73,12 @@ def test_lists_fit_80_columns_and_have_all_their_words(what):
     assert [line for line in lines if len(line) > 80] == []
     lost = set(re.findall(r"\w+", whole)) - set(re.findall(r"\w+", "\n".join(lines)))
     assert lost <= {"allowed", "meaning", "of"}, "headings of columns"
+
+
+@pytest.mark.parametrize("terminal, erases", {"xterm": True, "dumb": False}.items())
+def test_progress_erases_its_line_where_a_terminal_can(tmp_path, terminal, erases):
+    text = "\n".join(shown(80, "synth", "constant", "-o", "s.spool", folder=tmp_path, stream="stderr", TERM=terminal))
+    assert ("\033[K" in text) == erases
 
 
 def test_alone_it_fits_80_columns():

@@ -26,7 +26,7 @@ void add_replay(Program& program) {
   add_common(verb, program.common, true, true);
   verb.footer(
       "A selection contains how many samples of each piece were taken, always the first ones; a "
-      "sampler may know only those. Any image of counts made elsewhere is a selection too.\n"
+      "sampler gets only those. Any image of counts made elsewhere is a selection too.\n"
       "Examples:\n"
       "  spool replay dumps/tiny/chess.spool --sampler multiscale --spp 8 -o n.exr\n"
       "  spool replay dumps/tiny/chess.spool --sampler multiscale --preset paper \\\n"
@@ -119,7 +119,7 @@ void add_view(Program& program) {
                   "a recording, or the folder that spool evaluate -o DIR wrote")
       ->required();
   within(verb.add_option("--port", program.view.port,
-                         "of 127.0.0.1; another one where it is taken (any free one)"),
+                         "of 127.0.0.1; another one where it is taken; 0 for any free one (0)"),
          kPort);
   verb.add_flag("--allow-commands", program.view.allow_commands,
                 "replay the commands (exec:) of the plan in the folder: they are run by this user");

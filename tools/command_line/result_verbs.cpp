@@ -23,7 +23,7 @@ void add_parts_of_a_run(CLI::App& verb, EvaluateOptions& options) {
   verb.add_option(
           "--timing", options.timing,
           "shared: results of small pictures are made beside each other, on all processors, "
-          "and is marked in the column `timing`; exact: one after another (shared)")
+          "and marked so in the column `timing`; exact: one after another (shared)")
       ->check(CLI::IsMember({"shared", "exact"}));
   verb.add_option("--shard", options.shard,
                   "i/N: only that part of the cells, for machine i of N (0/4 .. 3/4)");
@@ -53,7 +53,7 @@ void add_judging(CLI::App& verb, EvaluateOptions& options) {
   within(verb.add_option("--pieces", options.pieces_per_side, kPieces), kPiecesPerSide);
   verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
   verb.add_flag("--fresh", options.fresh,
-                "also apply the counts to samples that had no say in them, and take bias and "
+                "also apply the counts to samples that had no part in them, and take bias and "
                 "variance apart: columns *_fresh, *_bias2, *_variance; three times the work");
 }
 
@@ -212,7 +212,7 @@ void add_figure(Program& program) {
       ->required();
   add_output(verb, options.output, "the folder of the figures");
   verb.add_option("--metric", options.metric, "the error (relmse)");
-  within(verb.add_option("--spp", options.spp, "budget of the comparisons (the largest)"),
+  within(verb.add_option("--spp", options.spp, "budget of the comparisons, 0 for the largest (0)"),
          kFigureSpp);
   verb.add_option("--recording", options.recordings, "compare on this one; may be given again");
   repeatable(verb.add_option(
@@ -223,11 +223,12 @@ void add_figure(Program& program) {
       verb.add_option("--crops", options.crops,
                       "[RECORDING:]X,Y,W,H: a window to show, in pixels; may be given again, four "
                       "times at most (two where methods differ to the eye)"));
-  within(verb.add_option(
-             "--column", options.column,
-             "columns of a paper that a figure is as wide as: 3.33 or 7 inches (comparisons "
-             "2, curves of one recording 1)"),
-         kColumns);
+  within(
+      verb.add_option(
+          "--column", options.column,
+          "columns of a paper that a figure is as wide as: 1, 3.33 inches; 2, 7 inches; 0, 1 for "
+          "curves of one recording and else 2 (0)"),
+      kColumns);
   verb.add_option("--font", options.font,
                   "latex: text set by LaTeX, in its own font; latex:PACKAGE: in that of a package, "
                   "libertine for example");

@@ -63,7 +63,8 @@ std::string entry(const OptionText& option) {
   return ".TP\n" + names + "\n" + plain(help) + "\n";
 }
 
-// Examples keep their lines; what stands before them is filled.
+// Examples keep their lines, which are as wide as those of --help; what stands before them is
+// filled.
 std::string notes(const std::string& text) {
   constexpr std::string_view kMark = "Examples:\n";
   const std::size_t examples = text.find(kMark);
@@ -72,7 +73,8 @@ std::string notes(const std::string& text) {
   if (!before.empty())
     result += ".SH NOTES\n" + plain(before) + (before.back() == '\n' ? "" : "\n");
   if (examples != std::string::npos) {
-    result += ".SH EXAMPLES\n.nf\n" + plain(text.substr(examples + kMark.size())) + "\n.fi\n";
+    result +=
+        ".SH EXAMPLES\n.nf\n.in 0\n" + plain(text.substr(examples + kMark.size())) + "\n.fi\n";
   }
   return result;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <set>
 
@@ -52,6 +53,12 @@ Result<void> check_output() {
 void print_raw_error(std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
+}
+
+std::string_view line_eraser() {
+  const char* terminal = std::getenv("TERM");
+  const bool dumb = terminal && terminal == std::string_view("dumb");
+  return ::isatty(STDERR_FILENO) == 1 && !dumb ? "\r\033[K" : "";
 }
 
 void print_error(const Error& error) {

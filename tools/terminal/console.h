@@ -34,6 +34,10 @@ void print_warning(std::string_view text);
 void print_note(std::string_view text);       // nothing where `text` is empty
 void print_raw_error(std::string_view text);  // with the control characters of a progress line
 
+// What takes away the line of stderr that a progress is on; empty where nothing does: in a file, or
+// on a terminal that obeys no control characters (TERM=dumb).
+std::string_view line_eraser();
+
 // Descriptors 0 to 2 lead somewhere from now on: a file that is opened must not become stderr.
 void open_standard_streams();
 

@@ -62,8 +62,7 @@ void watch_for_interrupts() {
     end_external_work();
     format::remove_unfinished_files();
     print_raw_error(fmt::format("{}spool: interrupted; unfinished files were removed{}\n",
-                                ::isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "",
-                                visible_text(note_text())));
+                                line_eraser(), visible_text(note_text())));
     ::_exit(128 + signal);
   }).detach();
 }

@@ -21,11 +21,11 @@ constexpr std::chrono::milliseconds kBeforeEstimate{500};
 
 Progress::Progress(std::string task, bool quiet)
     : task_(std::move(task)),
-      visible_(!quiet && ::isatty(STDERR_FILENO) == 1),
+      visible_(!quiet && !line_eraser().empty()),
       logged_(!quiet && !visible_) {}
 
 Progress::~Progress() {
-  if (visible_) print_raw_error("\r\033[K");
+  if (visible_) print_raw_error(line_eraser());
 }
 
 void Progress::update(double share, const std::string& detail, std::optional<double> seconds_left) {
@@ -47,7 +47,8 @@ void Progress::update(double share, const std::string& detail, std::optional<dou
     return;
   }
   const std::size_t width = line_width(STDERR_FILENO);
-  print_raw_error(fmt::format("\r\033[K{:.{}}", visible_text(line), width > 0 ? width - 1 : 99));
+  print_raw_error(
+      fmt::format("{}{:.{}}", line_eraser(), visible_text(line), width > 0 ? width - 1 : 99));
 }
 
 }  // namespace spool::tools
