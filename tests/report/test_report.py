@@ -56,6 +56,12 @@ def test_hostile_names_arrive_as_text(tmp_path, assets_cache):
     assert len(re.findall(r"</script", html)) == len(ASSETS) + 2
 
 
+def test_a_page_says_what_it_lacks_without_scripts(assets_cache):
+    report, shown = (build_page("t", [("a", heading, "")], {}, []) for heading in ("A", ""))
+    assert "Charts, table and images need JavaScript; the summary" in report
+    assert "Images need JavaScript." in shown and "Charts" not in shown.split("<main>")[0].split("<noscript>")[1]
+
+
 def test_the_policy_allows_the_pages_own_scripts_only(assets_cache):
     html = build_page("t", [("a", "A", "<p>x</p>")], {}, [])
     policy = re.search(r'Content-Security-Policy" content="([^"]*)"', html).group(1)

@@ -17,6 +17,9 @@ OWN_SCRIPTS = ("charts.js", "export_buttons.js", "headline.js", "crop_strip.js",
                "footprint.js", "live.js")
 
 
+WITHOUT_SCRIPTS = "Charts, table and images need JavaScript; the summary and the details of the run do not."
+
+
 def json_for_html(value):
     """No '<' survives, so that nothing in a string ends the element it stands in."""
     text = json.dumps(value, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
@@ -55,8 +58,7 @@ def build_page(title, sections, data, packed, served=False, viewer_only=False):
         '<meta name="color-scheme" content="light dark">\n'
         f"<title>{escape(title or 'Spool')}</title>\n<style>{style}</style>\n</head>\n<body>\n"
         + (f'<header><h1>{escape(title)}</h1><nav aria-label="Sections">{links}</nav></header>\n' if title else "") +
-        "<noscript><p class=\"warning\">Charts, table and images need JavaScript; the summary and "
-        "the details of the run do not.</p></noscript>\n"
+        f'<noscript><p class="warning">{WITHOUT_SCRIPTS if links else "Images need JavaScript."}</p></noscript>\n'
         f"<main>\n{body}</main>\n"
         f'<script type="application/json" id="report-data">{json_for_html(data)}</script>\n'
         f"{images}{tags}</body>\n</html>\n")
