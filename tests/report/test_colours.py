@@ -1,6 +1,6 @@
 """Colours of figures and of the page: separated in grey print and by colour-blind readers.
 
-Colour vision after [Vienot99], lightness and distances in CIELAB under D65.
+Colour vision after [Vienot99] and, without S cones, [Machado09]; lightness and distances in CIELAB under D65.
 """
 import re
 from itertools import combinations
@@ -19,6 +19,9 @@ BLINDNESS = {  # of linear RGB: what is seen of L or M follows from the other tw
     "protanopia": [[0, 2.02344, -2.52581], [0, 1, 0], [0, 0, 1]],
     "deuteranopia": [[1, 0, 0], [0.494207, 0, 1.24827], [0, 0, 1]],
 }
+
+
+TRITANOPIA = np.array([[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]])
 
 
 def linear(colour):
@@ -76,3 +79,14 @@ def test_colours_of_methods_are_told_apart_by_colour_blind_readers(name, colours
     seen = {c: lab(seen_by(linear(c), blindness)) for c in colours}
     near = {(a, b): round(float(np.linalg.norm(seen[a] - seen[b])), 1) for a, b in combinations(colours, 2)}
     assert min(near.values()) > 10, (name, sorted(near.items(), key=lambda item: item[1])[:4])
+
+
+@pytest.mark.parametrize("name, ground", [("light", "#ffffff"), ("dark", "#14181d")])
+def test_colours_of_samplers_stand_out_from_the_page_in_tritanopia_and_in_grey(name, ground):
+    colours = colours_of("report_data.js", name)
+    seen = [lab(np.clip(TRITANOPIA @ linear(c), 0, 1)) for c in colours]
+    assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 13
+    luminance = [XYZ[1] @ linear(c) + 0.05 for c in (*colours, ground)]
+    assert min(max(x, luminance[-1]) / min(x, luminance[-1]) for x in luminance[:-1]) > 3
+    # Those of one filling, of four; the first eight.
+    assert min(abs(lightness(a) - lightness(b)) for a, b in zip(colours[:4], colours[4:])) > 13

@@ -1,12 +1,23 @@
 // Error against time and error against budget of one recording, both axes logarithmic.
-// Colour, and a full, open or dotted symbol = sampler; symbol and dash = filter. So lines differ in grey print, too.
-const symbols = ['circle', 'square', 'diamond', 'cross', 'x', 'triangle-up', 'triangle-down', 'star',
-  'pentagon', 'hexagon2', 'hourglass', 'bowtie'];
+// Colour and filling = sampler, symbol and dash = filter, so that lines differ in grey print, too: 32 samplers, 60 filters.
+const symbols = {circle: '●', square: '■', diamond: '◆', cross: '✚', x: '✖', 'triangle-up': '▲', 'triangle-down': '▼', star: '★',
+  'triangle-left': '◀', 'triangle-right': '▶'};
 const fillings = ['', '-open', '-dot', '-open-dot'];
-const dashes = ['solid', 'dash', 'dot', 'dashdot', 'longdash', 'longdashdot'];
+const dashes = ['none', '8 4', '2 3', '8 3 2 3', '16 4', '16 3 2 3'];
+
+// Place in two lists that both change from one number to the next and do not repeat together.
+const inBoth = (i, first, second) => [i % first.length, (i % first.length + Math.floor(i / first.length)) % second.length];
+const fillingOf = (sampler) => fillings[inBoth(sampler, palettes.light, fillings)[1]];
+function symbolOf(filter) {
+  const [symbol, dash] = inBoth(filter, Object.keys(symbols), dashes);
+  return {symbol: Object.keys(symbols)[symbol], dash: dashes[dash]};
+}
 
 // Plotly reads a subset of HTML in its labels.
 const plotText = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
+
+// A long name in several lines.
+const wrappedText = (text) => (text.match(text.length < 50 ? /.+/g : /.{1,40}(?:[ ,]|$)|.{40}/g) ?? []).map(plotText).join('<br>');
 
 const isPositive = (value) => value > 0 && Number.isFinite(value);
 
@@ -50,7 +61,7 @@ function logRange(points) {
 }
 
 function hoverText(c) {
-  const lines = [methodOf(c), `${c.spp} spp${c.replicates ? `, ${c.replicates} replicates` : ''}`];
+  const lines = [`${c.spp} spp${c.replicates ? `, ${c.replicates} replicates` : ''}`];
   for (const name of [shown.metric, 'energy_ratio', 'seconds_total']) {
     if (!quantityIndex.has(name)) continue;
     const value = interval(c, name);
@@ -59,7 +70,7 @@ function hoverText(c) {
   const [letters, against] = c.ranks[shown.metric] ?? ['', ''];
   if (letters) lines.push(`group ${letters}`);
   if (against) lines.push(againstText(against, report.baseline));
-  return lines.map(plotText).join('<br>');
+  return [wrappedText(methodOf(c)), ...lines.map(plotText)].join('<br>');
 }
 
 // x: what a combination's place on the horizontal axis is, as {mean, low, high}. With `dodge`, lines stand beside each
@@ -74,15 +85,16 @@ function traces(combinations, {x, dodge, metric}) {
   return [...groups.values()].map((group, i) => {
     const aside = dodge && groups.size > 1 ? 1 + 0.08 * (i / (groups.size - 1) - 0.5) : 1;
     const {sampler, filter} = group[0];
-    const colour = samplerColour(sampler);
+    const colour = samplerColour(sampler), {symbol, dash} = symbolOf(filter), filling = fillingOf(sampler);
     const ys = group.map((c) => interval(c, metric)), xs = group.map(x);
     return {
-      type: 'scatter', mode: 'lines+markers', name: plotText(methodOf(group[0])),
+      type: 'scatter', mode: 'lines+markers', name: wrappedText(methodOf(group[0])),
       x: xs.map((p) => p.mean * aside), customdata: xs.map((p) => p.mean), y: ys.map((p) => p.mean),
       error_y: errorBar(ys, colour), error_x: errorBar(xs, colour),
       text: group.map(hoverText), hovertemplate: '%{text}<extra></extra>',
-      marker: {color: colour, symbol: symbols[filter % symbols.length] + fillings[sampler % fillings.length], size: 9},
-      line: {color: colour, width: 1.2, dash: dashes[filter % dashes.length]},
+      marker: {color: colour, symbol: symbol + filling, size: 10,
+        line: filling === '-dot' ? {color: pageColour('--page'), width: 1.5} : {}},
+      line: {color: colour, width: 1.2, dash},
     };
   });
 }
@@ -106,24 +118,22 @@ function drawChart(target, combinations, axes) {
   target.hidden = combinations.length === 0;
   if (target.hidden) return;
   const narrow = target.clientWidth < 560;
-  const style = getComputedStyle(document.documentElement);
-  const ink = style.getPropertyValue('--text-colour').trim(), grid = style.getPropertyValue('--rule').trim();
-  const axis = {type: 'log', gridcolor: grid, linecolor: grid, zeroline: false, ticks: 'outside',
-    tickcolor: grid, automargin: true};
+  const axis = {...chartAxis(), type: 'log', ticks: 'outside', tickcolor: pageColour('--rule')};
   const ys = combinations.map((c) => interval(c, axes.metric)), xs = combinations.map(axes.x);
   const lines = traces(combinations, axes);
   if (axes.front) lines.unshift(frontTrace(combinations, axes));
-  const legendRows = narrow ? lines.length : Math.ceil(lines.length / 3);
+  const longest = Math.max(...lines.map(({name}) => name.split('<br>').length));
+  const legendRows = longest * (narrow ? lines.length : Math.ceil(lines.length / (longest > 1 ? 2 : 3)));
   const layout = {
-    height: (axes.height ?? 420) + Math.min(legendRows, 20) * 22, margin: {l: 10, r: 12, t: 12, b: 10},
-    paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: {color: ink, size: 13},
+    ...chartLook(13), height: (axes.height ?? 420) + Math.min(legendRows, 20) * 22, margin: {l: 10, r: 12, t: 12, b: 10},
     xaxis: {...axis, title: {text: axes.title}, range: logRange(xs), ...logTicks(logRange(xs), axes.unit), ...axes.ticks},
     yaxis: {...axis, title: {text: plotText(metricText(axes.metric))}, range: logRange(ys), ...logTicks(logRange(ys))},
     legend: {orientation: 'h', yref: 'container', y: 0, yanchor: 'bottom', x: 0, font: {size: 12}},
     hovermode: 'closest', showlegend: true,
-    hoverlabel: {bgcolor: style.getPropertyValue('--panel').trim(), font: {color: ink}},
+    hoverlabel: {bgcolor: pageColour('--panel'), font: {color: pageColour('--text-colour')}},
   };
   target.style.minHeight = `${layout.height}px`;
+  named(target, `${metricText(axes.metric)} against ${axes.title}, ${new Set(combinations.map(methodOf)).size} methods`);
   Plotly.react(target, lines, layout, {responsive: true, displaylogo: false,
     showSendToCloud: false, plotlyServerURL: '',  // the page makes no connection
     modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage', 'sendDataToCloud', 'sendChartToCloud']});
@@ -142,7 +152,7 @@ function startCharts(area) {
   const pareto = element('div', {class: 'chart', id: 'pareto-chart'});
   const budget = element('div', {class: 'chart', id: 'budget-chart'});
   const note = element('p', {class: 'note', 'aria-live': 'polite'});
-  let inView = false, all = false;
+  let all = false;
   const allButton = element('button', {type: 'button', onclick: () => { all = true; draw(); }});
   area.append(filterControls(), note, allButton,
     element('div', {class: 'charts'},
@@ -150,7 +160,6 @@ function startCharts(area) {
       element('figure', {}, heading('Error against samples per pixel', budget, 'error_budget'), budget)));
 
   const draw = () => {
-    if (!inView) return;
     let known = [...report.combinations, ...report.overall].filter(
       (c) => c.dump === shown.dump && isShown(c));
     const names = new Set(known.map(methodOf)), first = all ? names : firstMethods(names);
@@ -160,7 +169,7 @@ function startCharts(area) {
     const drawable = known.filter((c) => isPositive(interval(c, shown.metric).mean));
     const timed = drawable.filter((c) => isPositive(interval(c, 'seconds_total').mean));
     const hidden = known.length - drawable.length;
-    note.textContent = 'Bars are 95 % intervals; colour and filling are the sampler, symbol and dash the filter. ' +
+    note.textContent = `${report.dumps[shown.dump] ?? 'All recordings'}. ` + 'Bars are 95 % intervals; colour and filling are the sampler, symbol and dash the filter. ' +
       'Points of a line are budgets; lines stand a little aside where their bars would meet.' + (allButton.hidden ? '' :
         ` Drawn are the first ${mostLines} methods of the table above and the baseline, of ${names.size}.`) + (shown.dump < report.dumps.length ? '' :
         ' Geometric means over the recordings, which are taken as given.') + (hidden === 0 ? '' :
@@ -169,13 +178,8 @@ function startCharts(area) {
     drawChart(budget, drawable, {x: budgetOf, title: 'samples per pixel', ticks: budgetTicks(drawable), dodge: true, metric: shown.metric});
   };
   listeners.push(draw);
-  darkQuery.addEventListener('change', draw);
-  new IntersectionObserver((entries, observer) => {
-    if (!entries.some((entry) => entry.isIntersecting)) return;
-    observer.disconnect();
-    inView = true;
-    draw();
-  }, {rootMargin: '200px'}).observe(area);
+  onLook(draw);
+  afterFirstPaint(draw);
 }
 starts['chart-area'] = startCharts;
 
@@ -194,24 +198,25 @@ function filterControls() {
     });
     return group;
   };
-  const swatch = (i) => {
-    const node = element('span', {class: 'swatch', 'aria-hidden': 'true'});
-    const open = fillings[i % fillings.length].startsWith('-open');
-    const paint = () => {
-      node.style.background = open ? 'none' : samplerColour(i);
-      node.style.boxShadow = `inset 0 0 0 2px ${samplerColour(i)}`;
-    };
-    darkQuery.addEventListener('change', paint);
+  const mark = (width, svg) => {
+    const node = element('span', {class: 'mark', 'aria-hidden': 'true'});
+    const paint = () => { node.innerHTML = `<svg width="${width}" height="14">${svg()}</svg>`; };
+    onLook(paint);
     paint();
     return node;
   };
-  const symbolText = ['●', '■', '◆', '✚', '✖', '▲', '▼', '★', '⬟', '⬢', '⧗', '⋈'];
+  const samplerMark = (i) => mark(14, () => {
+    const colour = samplerColour(i), filling = fillingOf(i), open = filling.startsWith('-open');
+    return `<circle cx="7" cy="7" r="5" stroke-width="2" stroke="${colour}" fill="${open ? 'none' : colour}"/>` +
+      (filling.endsWith('-dot') ? `<circle cx="7" cy="7" r="1.8" fill="${open ? colour : pageColour('--page')}"/>` : '');
+  });
+  const filterMark = (i) => mark(44, () => `<path d="M0 7h44" stroke="currentColor" stroke-dasharray="${symbolOf(i).dash}"/>` +
+    `<text x="22" y="12" text-anchor="middle" fill="currentColor">${symbols[symbolOf(i).symbol]}</text>`);
   return element('div', {class: 'controls'},
     select('Recording', report.overall.length > 0 ? [...report.dumps, 'all: geometric mean'] : report.dumps, shown.dump,
       (i) => { shown.dump = i; changed(); }),
     select('Error', report.metrics.map(metricText), report.metrics.indexOf(shown.metric),
       (i) => { shown.metric = report.metrics[i]; changed(); }),
-    chips('Samplers', report.samplers, shown.samplers, swatch),
-    chips('Filters', report.filters, shown.filters,
-      (i) => element('span', {'aria-hidden': 'true'}, symbolText[i % symbolText.length])));
+    chips('Samplers', report.samplers, shown.samplers, samplerMark),
+    chips('Filters', report.filters, shown.filters, filterMark));
 }

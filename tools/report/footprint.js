@@ -38,7 +38,5 @@ function footprintCanvas({taps}, largest) {
   context.strokeStyle = '#fff';
   context.strokeRect(reach * side + 0.5, reach * side + 0.5, side - 1, side - 1);
   canvas.className = 'weights';
-  canvas.setAttribute('role', 'img');
-  canvas.setAttribute('aria-label', `weights of ${taps.length} pixels, brightness by their square root`);
-  return canvas;
+  return named(canvas, `weights of ${taps.length} pixels, brightness by their square root`);
 }

@@ -6,6 +6,7 @@ function buildPixelPanel(view) {
   view.pixelPanel = element('div', {class: 'pixel-panel', id: 'pixel-panel', 'aria-live': 'polite'});
   view.area.append(view.pixelPanel);
   view.listeners.push(() => drawPixelPanel(view));
+  onLook(() => view.drawPixelCharts?.());
 }
 
 // The stored pixel that was touched, or the nearest within a few, of those in the picture.
@@ -27,6 +28,7 @@ async function drawPixelPanel(view) {
   if (!found) {
     if (panel.dataset.at) Plotly.purge(panel.querySelector('.running'));
     panel.dataset.at = '';
+    view.drawPixelCharts = null;
     panel.replaceChildren(element('p', {class: 'note'}, report.live ?
       view.pixelFailure ?? 'Touch a pixel: what was recorded there, and which samples A and B took.' : view.state.pixel ?
       'The samples of this pixel are not in the page; "spool pixel FILE --at X,Y" tells them. Round marks have theirs.' :
@@ -34,7 +36,7 @@ async function drawPixelPanel(view) {
     return;
   }
   const [a, b] = view.pair(), crop = view.scene().crop ?? [0, 0];
-  const key = `${found.x},${found.y},${a.combination},${b.combination},${isDark()},${view.state.exposure}`;
+  const key = `${found.x},${found.y},${a.combination},${b.combination},${view.state.exposure}`;
   if (panel.dataset.at === key) return;
   panel.dataset.at = key;
   const valueAt = async (set, name) => {
@@ -48,7 +50,8 @@ async function drawPixelPanel(view) {
       (Number.isNaN(size) ? '' : `; filter size ${2 ** Math.max(0, size)}, direction ${Number.isNaN(angle) ? 'none' : `${numberText(angle, 3)}°`}`);
   }));
   if (panel.dataset.at !== key) return;
-  const running = element('div', {class: 'chart running'}), histogram = element('div', {class: 'chart histogram'});
+  const running = named(element('div', {class: 'chart running'}), 'Mean of the first samples with its interval, against samples');
+  const histogram = named(element('div', {class: 'chart histogram'}), 'Number of samples against their luminance');
   panel.replaceChildren(
     element('h3', {}, `Pixel ${found.x}, ${found.y}: its samples in the order in which they are taken`),
     sampleStrip(found, taken, view.scene().exposure + view.state.exposure),
@@ -58,8 +61,11 @@ async function drawPixelPanel(view) {
       element('figure', {}, element('h3', {}, 'Luminance of the samples'), histogram)));
   const {reference} = view.images;
   const truth = reference ? luminanceAt(reference.values, (found.y - crop[1]) * reference.width + found.x - crop[0]) : NaN;
-  drawRunning(running, found, taken, truth);
-  drawHistogram(histogram, found);
+  view.drawPixelCharts = () => {
+    drawRunning(running, found, taken, truth);
+    drawHistogram(histogram, found);
+  };
+  view.drawPixelCharts();
 }
 
 // Asked once for a pixel and a pair.
@@ -89,17 +95,12 @@ function sampleStrip({samples}, taken, exposure) {
     });
   });
   canvas.className = 'samples';
-  canvas.setAttribute('role', 'img');
-  canvas.setAttribute('aria-label', `${samples.length} samples; A took ${taken[0]}, B took ${taken[1]}`);
-  return canvas;
+  return named(canvas, `${samples.length} samples; A took ${taken[0]}, B took ${taken[1]}`);
 }
 
 function pixelLayout(xTitle, yTitle, more = {}) {
-  const style = getComputedStyle(document.documentElement), grid = style.getPropertyValue('--rule').trim();
-  const axis = {gridcolor: grid, linecolor: grid, zeroline: false, automargin: true};
-  return {height: 260, margin: {l: 10, r: 10, t: 8, b: 10}, paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)',
-    font: {color: style.getPropertyValue('--text-colour').trim(), size: 12}, showlegend: false, bargap: 0.05,
-    xaxis: {...axis, type: 'log', title: {text: xTitle}}, yaxis: {...axis, title: {text: yTitle}, ...more}};
+  return {...chartLook(12), height: 260, margin: {l: 10, r: 10, t: 8, b: 10}, showlegend: false, bargap: 0.05,
+    xaxis: {...chartAxis(), type: 'log', title: {text: xTitle}}, yaxis: {...chartAxis(), title: {text: yTitle}, ...more}};
 }
 const pixelConfig = {responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: ''};
 

@@ -61,13 +61,37 @@ function select(label, texts, value, onchange) {
   return element('label', {}, label + ' ', list);
 }
 
-const darkQuery = matchMedia('(prefers-color-scheme: dark)');
-const isDark = () => darkQuery.matches;
+// A picture or a chart, by its name.
+function named(node, text) {
+  node.setAttribute('role', 'img');
+  node.setAttribute('aria-label', text);
+  return node;
+}
+
+// While it is printed the page is light and its charts are as wide as paper.
+const root = document.documentElement, darkQuery = matchMedia('(prefers-color-scheme: dark)');
+const isPrinted = () => root.classList.contains('printed');
+const isDark = () => darkQuery.matches && !isPrinted();
+addEventListener('beforeprint', () => root.classList.add('printed'));
+addEventListener('afterprint', () => root.classList.remove('printed'));
+function onLook(draw) {
+  darkQuery.addEventListener('change', draw);
+  for (const name of ['beforeprint', 'afterprint']) addEventListener(name, draw);
+}
+
+// For what is below the first screen: it is there before anyone prints.
+const afterFirstPaint = (draw) => requestAnimationFrame(() => setTimeout(draw));
+
+// What plotly's charts take from the page.
+const pageColour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
+const chartLook = (size) => ({paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', width: isPrinted() ? 680 : undefined,
+  font: {color: pageColour('--text-colour'), size}});
+const chartAxis = () => ({gridcolor: pageColour('--rule'), linecolor: pageColour('--rule'), zeroline: false, automargin: true});
 
 // Colours of samplers, distinct on the page's light and dark grounds and by colour-blind readers.
 const palettes = {
-  light: ['#0072b2', '#d55e00', '#00805c', '#aa3377', '#44aa99', '#332288', '#5c3d00', '#222222'],
-  dark: ['#4da3e0', '#ff8a4c', '#2fc79b', '#f7e3a1', '#7d6bd6', '#9ad4f5', '#fff176', '#eeeeee'],
+  light: ['#0072b2', '#d55e00', '#009a4e', '#aa3377', '#909090', '#332288', '#5c3d00', '#222222'],
+  dark: ['#4da3e0', '#ff8a4c', '#2fc79b', '#f7e3a1', '#9ad4f5', '#eeeeee', '#c0ff42', '#7d6bd6'],
 };
 const samplerColour = (sampler) => {
   const palette = isDark() ? palettes.dark : palettes.light;
