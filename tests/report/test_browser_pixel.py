@@ -65,6 +65,18 @@ def test_a_touched_pixel_shows_its_samples_running_mean_and_histogram(page, tmp_
     assert page.errors == []
 
 
+def test_enter_touches_the_pixel_in_the_middle(page):
+    page.page.locator("#stage").focus()
+    page.page.keyboard.press("Enter")
+    page.page.wait_for_timeout(300)
+    assert "x 24, y 20:" in page.page.locator("#pixel-values").text_content()
+    for key in (*"+" * 5, *["ArrowLeft"] * 20, *["ArrowUp"] * 20, "Enter"):  # to the corner, three times as large
+        page.page.keyboard.press(key)
+    page.page.wait_for_timeout(300)
+    assert "x 7, y 6:" in page.page.locator("#pixel-values").text_content()
+    assert page.errors == []
+
+
 def test_a_pixel_without_samples_says_where_to_ask(page):
     touch(page.page, 40, 35)
     assert "spool pixel FILE --at X,Y" in page.page.locator("#pixel-panel").text_content()

@@ -42,6 +42,7 @@ function tile(picture, scene, part, colour, name, frames = []) {
     context.strokeStyle = insetColour(i);
     context.strokeRect(frame.x * scale, frame.y * scale, frame.width * scale, frame.height * scale);
   });
+  named(canvas, frames.length ? `${name}, the whole picture` : `${name}, a part enlarged`);
   return element('div', {}, element('div', {style: frames.length ? '' : `border-top: 3px solid ${colour}`}, canvas),
     element('small', {title: name}, name));
 }

@@ -48,23 +48,25 @@ function startHeadline(area) {
   const holder = element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Methods and recordings'});
   const chart = element('div', {class: 'chart', id: 'hero-chart'}), title = element('h3');
   const strip = element('div', {class: 'crops', id: 'crops'});
-  const note = element('p', {class: 'note'});
+  const note = element('p', {class: 'note'}), told = element('p', {class: 'note hint told'}, 'Point at a cell for its interval and verdict.');
+  const tell = ({target}) => { told.textContent = target.closest('[title]')?.title || told.textContent; };
+  for (const name of ['focusin', 'pointerover']) holder.addEventListener(name, tell);
   area.append(
     element('div', {class: 'controls'},
       select('Samples per pixel', budgets.map(String), budgets.indexOf(hero.spp), (i) => { hero.spp = budgets[i]; draw(); }),
       baselines.length > 1 ? select('Relative to', baselines, 0, (i) => { hero.baseline = baselines[i]; draw(); }) : null,
       exportButtons()),
-    element('div', {class: 'hero'}, element('div', {}, holder, note), element('figure', {}, title, chart)), strip);
+    element('div', {class: 'hero'}, element('div', {}, holder, told, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
-    note.textContent = `${metricText(report.metric)} ${hero.baseline ? `relative to ${hero.baseline}: below 1 is better. Bold: separated.` :
+    note.textContent = `${metricText(report.metric)} at ${hero.spp} spp ${hero.baseline ? `relative to ${hero.baseline}: below 1 is better. Bold: separated from it.` :
       'has no baseline: no ratios.'} Methods that ` +
-      `share a letter are not separated. ${report.lettersNote} ‡: no verdict. ▼: loses energy. A click shows the pictures.`;
+      `share a letter are not separated. ${report.lettersNote} ‡: no verdict. ▼: loses energy.${report.pictures.sets.length > 0 ? ' A click shows the pictures.' : ''}`;
     title.textContent = `${report.dumps[hero.dump]}: ${metricText(report.metric)} against samples per pixel`;
     drawHeroChart(chart);
     drawCrops(strip);
   }
-  darkQuery.addEventListener('change', draw);
+  onLook(() => drawHeroChart(chart));
   draw();
 }
 starts['headline-area'] = startHeadline;
@@ -116,17 +118,18 @@ function headlineCell(condition, name) {
   const words = [`${metricText(report.metric)} ${numberText(value.mean)}${boundsText(value, 3)}`];
   if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3)}: ${againstText(ratio.verdict, hero.baseline)}`);
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
-  return element('td', {class: `number ${ratio?.verdict ?? ''}`, title: words.join('\n'), 'data-ratio': ratio ? ratio.mean : '',
-    'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.verdict === 'not compared' ? NaN : ratio?.mean)}`, onclick: () => openInViewer(c)},
-  told ? element('b', {}, mean) : mean, ' ', element('span', {class: 'letters'}, letters),
-  c.loses ? element('span', {class: 'loses', title: words[words.length - 1]}, ' ▼') : null);
+  const title = `${name}, ${report.dumps[condition.dump]}: ${words.join('; ')}`;
+  return element('td', {class: `number ${ratio?.verdict ?? ''}`, 'data-ratio': ratio ? ratio.mean : '',
+    'data-verdict': ratio?.verdict ?? '', style: `background: ${ratioColour(ratio?.verdict === 'not compared' ? NaN : ratio?.mean)}`},
+  element('button', {type: 'button', class: 'cell', title, 'aria-label': title, onclick: () => openInViewer(c)},
+    told ? element('b', {}, mean) : mean, ' ', element('span', {class: 'letters'}, letters), c.loses ? ' ▼' : ''));
 }
 
 function overallCell(name) {
   const c = report.overall.find((o) => o.spp === hero.spp && methodOf(o) === name);
   const ratio = c ? interval(c, `${report.metric}_ratio`).mean : NaN;
   return element('td', {class: 'number', style: `background: ${ratioColour(c?.against.includes('not compared') ? NaN : ratio)}`,
-    title: c?.against ?? ''},
+    tabindex: 0, title: c?.against ? `${name}, all recordings: ${c.against}` : false},
   name === report.baseline ? '1' : numberText(ratio, 3));
 }
 

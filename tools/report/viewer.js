@@ -41,14 +41,10 @@ function startImages(area) {
     const b = view.names().indexOf(methodOf(combination));
     if (b >= 0) view.choose({b});
     document.getElementById('images').scrollIntoView();
+    view.controls.querySelector('select')?.focus({preventScroll: true});
   };
-  new IntersectionObserver((entries, observer) => {
-    if (!entries.some((entry) => entry.isIntersecting)) return;
-    observer.disconnect();
-    view.choose({});
-    addEventListener('resize', () => render(view));
-    darkQuery.addEventListener('change', () => render(view));
-  }, {rootMargin: '200px'}).observe(area);
+  addEventListener('resize', () => render(view));
+  afterFirstPaint(() => view.choose({}));
 }
 starts['image-area'] = startImages;
 

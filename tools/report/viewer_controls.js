@@ -9,14 +9,14 @@ function buildViewer(view) {
   view.controls = element('div', {class: 'controls viewer-controls'});
   view.tabs = element('div', {class: 'tabs', role: 'group', 'aria-label': 'Which picture'});
   view.stage = element('div', {class: report.all ? 'stage all' : 'stage', id: 'stage', tabindex: '0', role: 'application',
-    'aria-label': `Pictures: arrow keys move, + and - zoom, ${keys} or space flip, e and E expose`});
-  view.status = element('output', {class: 'note', id: 'pixel-values'});
+    'aria-label': `Pictures: arrow keys move, + and - zoom, Enter touches the middle pixel, ${keys} or space flip, e and E expose`});
+  view.status = element('output', {class: 'note hint', id: 'pixel-values'});
   view.insets = element('div', {class: 'insets', id: 'insets'});
   view.links = element('p', {class: 'note'});
   const work = report.all ? [view.stage, view.status, view.insets] : [element('div', {class: 'work'}, view.stage, view.insets), view.status];
   view.area.append(view.controls, view.tabs, ...work,
-    element('p', {class: 'note'}, `Drag moves, wheel or + - zooms (after a click into the pictures), ${keys} or space flip, `,
-      `e E exposure, ${report.all ? '' : '[ ] budget, '}, . layer, 0 resets; drag a coloured frame to move its inset. `,
+    element('p', {class: 'note hint'}, `Drag moves, wheel or + - zooms (after a click into the pictures), ${keys} or space flip, `,
+      `Enter touches the pixel in the middle, e E exposure, ${report.all ? '' : '[ ] budget, '}, . layer, 0 resets; drag a coloured frame to move its inset. `,
       view.sets()[0].live ? '' : `Values have eleven bits here${Object.keys(view.sets()[0].links).length ? '; the EXR files have all' : ''}.`), view.links);
   buildPixelPanel(view);
   view.stage.addEventListener('keydown', (event) => onKey(view, event));
@@ -30,7 +30,7 @@ function render(view) {
   drawPanes(view);
   drawInsets(view);
   const [a, b] = view.pair();
-  if (!report.all) view.links.replaceChildren(...linkList(a, 'A'), ...(b === a ? [] : linkList(b, 'B')));
+  if (!report.all) view.links.replaceChildren(`${report.dumps[view.scene().dump]}: `, ...linkList(a, 'A'), ...(b === a ? [] : linkList(b, 'B')));
   showValues(view);
   view.stage.dataset.ready = 'true';
   for (const listener of view.listeners) listener();
@@ -143,6 +143,7 @@ function onKey(view, event) {
     0: () => { Object.assign(state, {zoom: 1, x: 0.5, y: 0.5, exposure: 0, split: 0.5}); zoomBy(view, 1); render(view); },
     e: () => { state.exposure = Math.min(10, state.exposure + 0.5); render(view); },
     E: () => { state.exposure = Math.max(-10, state.exposure - 0.5); render(view); },
+    Enter: () => { state.pixel = {x: Math.floor(state.x * view.size.width), y: Math.floor(state.y * view.size.height)}; render(view); },
     ' ': () => view.choose({mode: 'flip', face: report.all ? (state.face + 1) % view.faces.length : state.face === 0 ? 1 : 0}),
     '[': () => budget(-1), ']': () => budget(1),
     ',': () => view.choose({layer: around(state.layer, shownLayers, -1)}),

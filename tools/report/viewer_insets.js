@@ -45,6 +45,7 @@ function drawInsets(view) {
       const canvas = canvasOf(w, h), context = canvas.getContext('2d'), source = facePainting(view, face);
       context.imageSmoothingEnabled = false;
       if (source) context.drawImage(source, inset.x, inset.y, inset.width, inset.height, 0, 0, w, h);
+      named(canvas, `${face.name}, inset ${i + 1}`);
       strip.append(element('figure', {style: `width: ${Math.max(60, w)}px`}, canvas, element('figcaption', {title: face.name}, face.name)));
     }
     return strip;

@@ -33,6 +33,7 @@ function layOutPanes(view) {
   view.panes.forEach((pane, i) => {
     pane.faces = faces[i];
     pane.caption.textContent = faces[i].map((f) => (f.letter === 'R' ? f.name : `${f.letter}: ${f.name}`)).join('  |  ');
+    named(pane.canvas, `${pane.caption.textContent}: ${layers[view.state.layer].name}`);
     pane.node.style.width = `${size.width}px`;
     Object.assign(pane.canvas.style, {width: `${size.width}px`, height: `${size.height}px`});
     if (pane.canvas.width !== Math.round(size.width * unit) || pane.canvas.height !== Math.round(size.height * unit)) {
@@ -85,7 +86,7 @@ function drawPanes(view) {
 function drawFace(view, context, face, {scale, left, top}) {
   const source = facePainting(view, face);
   if (!source) {
-    context.fillStyle = '#777';
+    context.fillStyle = pageColour('--text-colour');
     context.font = '14px system-ui, sans-serif';
     context.fillText(`${face.name}: no ${layers[view.state.layer].name} map`, 10, 24);
     return;
