@@ -9,3 +9,12 @@ for (const [id, start] of Object.entries(starts)) {
     throw error;
   }
 }
+// Last of what is done before printing: tables become as small as paper needs.
+for (const [name, width] of [['beforeprint', 680], ['afterprint', Infinity]]) {
+  addEventListener(name, () => {
+    for (const table of document.querySelectorAll('.scroll table')) {
+      table.style.zoom = 1;
+      table.style.zoom = Math.min(1, width / table.offsetWidth);
+    }
+  });
+}

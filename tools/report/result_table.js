@@ -75,7 +75,7 @@ function buildTable() {
     const fields = [report.dumps[combination.dump], report.samplers[combination.sampler],
       report.filters[combination.filter]];
     const node = element('tr', {},
-      ...fields.map((text) => element('td', {}, text)),
+      ...fields.map((text) => element('td', {class: 'name'}, text)),
       element('td', {'data-sort': combination.spp, class: 'number'}, String(combination.spp)),
       element('td', {'data-sort': combination.replicates, class: 'number'},
         combination.replicates + (combination.failed ? ` (${combination.failed} failed)` : '')),

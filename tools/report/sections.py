@@ -101,7 +101,7 @@ def guards_html(combinations, labels, vocabulary):
         rows.append(
             f'<tr><th scope="row">{escape(name)}<small>{escape(meaning)}</small></th>'
             f"<td>{total:,.0f}</td><td>{len(caught[name])} of {len(combinations)}</td>"
-            f"<td>{escape(c.method)}, {escape(labels[c.dump])}, {c.spp:g} spp: {count:,.0f}</td></tr>")
+            f"<td class=\"name\">{escape(c.method)}, {escape(labels[c.dump])}, {c.spp:g} spp: {count:,.0f}</td></tr>")
     return warning + ("" if not rows else "<details><summary>Samples and pixels that were clamped, rejected or replaced</summary>"
                       "<p>Every clamp, floor and early-out that caught something, counted over all replicates.</p>"
                       f'{scrolled_table("guards", ("guard", "count", "in combinations", "most in"), rows)}</details>')
@@ -131,7 +131,7 @@ def run_html(manifest, combinations, labels, vocabulary):
                 if math.isfinite(row.get("width", math.nan)) else "")
         known = hashes.get(dump, {})
         digest = _text(known.get("index_sha256") or known.get("sha256")) or "not recorded"  # the second of an older program
-        body.append(f'<tr><th scope="row">{escape(label)}</th><td>{escape(dump)}</td><td>{size}</td>'
+        body.append(f'<tr><th scope="row">{escape(label)}</th><td class="name">{escape(dump)}</td><td>{size}</td>'
                     f"<td>{_known(row.get('holdout'))}</td><td><code>{escape(digest)}</code></td></tr>")
     table = scrolled_table("", ("name", "file", "pixels", "held out", "hash of its index"), body, "<caption>Recordings</caption>")
     return f'<dl class="run">{html}</dl>{table}{guards_html(combinations, labels, vocabulary)}{licences_html()}'

@@ -63,7 +63,7 @@ def _equal_time(curves, labels, baseline):
     for curve in curves:
         for at in curve.get("equal_time") or []:
             found = at.get("outside") or _interval(at.get("ratio"))
-            rows.append(f'<tr><th scope="row">{escape(labels[curve["dump"]])}</th><td>{escape(name_of(curve))}</td>'
+            rows.append(f'<tr><th scope="row">{escape(labels[curve["dump"]])}</th><td class="name">{escape(name_of(curve))}</td>'
                         f'<td class="number">{number_text(at["at"])}</td>'
                         f'<td class="number">{number_text(at["seconds"] or 0.0, 3)}</td><td class="number">{escape(found)}</td></tr>')
     return _folded(f"Error in the processor time of {escape(baseline)}", "<p>Sampling, filtering and, where "
@@ -78,12 +78,12 @@ def _needed(curves, labels, baseline):
             f'{number_text(n["at"])} spp: {n["bound"] + " " if n["bound"] else ""}'
             + _interval([n["spp"], n["low"], n["high"]] if n["low"] is not None else [n["spp"]]) for n in curve.get("needed") or [])
         if cells:
-            rows.append(f'<tr><th scope="row">{escape(labels[curve["dump"]])}</th><td>{escape(name_of(curve))}</td><td>{escape(cells)}</td></tr>')
+            rows.append(f'<tr><th scope="row">{escape(labels[curve["dump"]])}</th><td class="name">{escape(name_of(curve))}</td><td>{escape(cells)}</td></tr>')
     return _folded(f"Samples per pixel needed for the error of {escape(baseline)}", "", "needed", ("recording", "method", "for the error at, it takes"), rows)
 
 
 def _slopes(curves, labels):
-    rows = [f'<tr><th scope="row">{escape(labels[c["dump"]])}</th><td>{escape(name_of(c))}</td>'
+    rows = [f'<tr><th scope="row">{escape(labels[c["dump"]])}</th><td class="name">{escape(name_of(c))}</td>'
             f'<td class="number">{_interval(c["slope"])}</td></tr>' for c in curves]
     return _folded("Slope of the error over the budget", "<p>Logarithm of the error "
                    "against logarithm of the samples; without a filter it is -1 where samples are independent.</p>",
