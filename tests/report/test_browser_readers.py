@@ -136,6 +136,8 @@ def test_a_print_has_all_charts_and_pictures_on_white_and_no_controls(browser, m
     page.evaluate("addEventListener('beforeprint', () => { window.printed = (window.printed ?? 0) + 1; })")
     page.pdf(format="A4")
     assert page.evaluate("window.printed") == 1  # the browser says so
+    page.locator("#viewer-b-sampler").select_option(label=LONG)
+    page.locator("#insets figcaption", has_text=LONG).first.wait_for()
     page.locator("details.columns").evaluate("d => { d.open = true; d.querySelectorAll('input').forEach((i) => i.checked || i.click()); }")
     before = page.locator("#pareto-chart").bounding_box()["width"]
     page.set_viewport_size({"width": PAPER, "height": 1000})
@@ -154,6 +156,7 @@ def test_a_print_has_all_charts_and_pictures_on_white_and_no_controls(browser, m
         assert canvas.evaluate("c => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v > 0 && v < 255)")
         box = canvas.bounding_box()
         assert box["x"] + box["width"] <= PAPER
+    assert page.locator("figcaption:visible").evaluate_all("all => all.every((c) => c.scrollWidth <= c.clientWidth)")
     assert not [f for f in page.evaluate(CONTRASTS) if f[0] < 4.5]
     page.set_viewport_size({"width": 1280, "height": 900})
     page.emulate_media(media="screen")

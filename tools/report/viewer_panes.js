@@ -33,6 +33,7 @@ function layOutPanes(view) {
   view.panes.forEach((pane, i) => {
     pane.faces = faces[i];
     pane.caption.textContent = faces[i].map((f) => (f.letter === 'R' ? f.name : `${f.letter}: ${f.name}`)).join('  |  ');
+    pane.caption.title = pane.caption.textContent;
     named(pane.canvas, `${pane.caption.textContent}: ${layers[view.state.layer].name}`);
     pane.node.style.width = `${size.width}px`;
     Object.assign(pane.canvas.style, {width: `${size.width}px`, height: `${size.height}px`});
