@@ -16,5 +16,6 @@ for (const [name, width] of [['beforeprint', 680], ['afterprint', Infinity]]) {
       table.style.zoom = 1;
       table.style.zoom = Math.min(1, width / table.offsetWidth);
     }
+    if (name === 'afterprint') dispatchEvent(new Event('resize'));  // charts are as wide as the window again
   });
 }
