@@ -144,7 +144,8 @@ int withheld_samples(ReferenceKind kind, const RecordedSamples& recording,
   const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
   const int asked = chosen.value_or(holds_out ? default_holdout(recording) : 0);
   if (kind != ReferenceKind::kLeaveSelectedOut) return asked;
-  return std::max(asked, kLeastWithheld * pieces_per_side * pieces_per_side);
+  const int pieces = pieces_per_side * pieces_per_side;
+  return std::max(asked, std::min(kLeastWithheld * pieces, recording.spp() - pieces));
 }
 
 ReferenceKind default_reference_kind(const RecordedSamples& recording) {

@@ -44,7 +44,8 @@ int default_holdout(const RecordedSamples& recording);
 // Samples per pixel that a pool holds out for such a reference, where `chosen` are asked for: those
 // where given, else the default of a holdout kind. leave_selected_out holds out at least
 // kLeastWithheld per piece: a sampler that took all samples of a pixel would drop it from its own
-// error, which every method would then do differently.
+// error, which every method would then do differently. Recordings of fewer offer one per piece, and
+// have no such reference.
 inline constexpr int kLeastWithheld = 3;  // two for a mean with its variance, one to divide by
 int withheld_samples(ReferenceKind kind, const RecordedSamples& recording,
                      std::optional<int> chosen, int pieces_per_side);

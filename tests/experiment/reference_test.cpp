@@ -319,6 +319,10 @@ TEST(Reference, DefaultsFollowWhatTheRecordingHas) {
   EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, {}, 1), 3);
   EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, 4, 2), 12);
   EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, 16, 2), 16);
+  for (const int spp : {1, 3})
+    EXPECT_EQ(withheld_samples(ReferenceKind::kLeaveSelectedOut, *memory_recording(2, 2, spp, grey),
+                               {}, 1),
+              spp - 1);
   EXPECT_EQ(default_reference_kind(*memory_recording(2, 2, 64, grey)), ReferenceKind::kHoldout);
   EXPECT_EQ(default_reference_kind(make_scene_s(4, 4, 64, 1)), ReferenceKind::kIndependent);
   EXPECT_FALSE(independent_reference(*memory_recording(2, 2, 8, grey)).has_value());
