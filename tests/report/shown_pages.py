@@ -12,7 +12,7 @@ PACKAGE = os.environ.get("SPOOL_PACKAGE")  # none in a build with sanitizers
 
 
 def write_exr(path, image):
-    exr.write(path, dict(zip("RGB", np.moveaxis(np.asarray(image, np.float32), 2, 0))))
+    exr.write(path, dict(zip("RGB", np.moveaxis(np.asarray(image, np.float32), 2, 0))), force=True)
     return path
 
 
