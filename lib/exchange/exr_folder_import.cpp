@@ -274,7 +274,7 @@ interchange::ImportFormat exr_folder_format() {
         [](const O& options) {
           std::string text;
           for (const auto& [ours, theirs] : options.map.layers)
-            text += (text.empty() ? "" : " ") + ours + "=" + theirs;
+            text += fmt::format("{}{}={}", text.empty() ? "" : " ", ours, theirs);
           return text.empty() ? "none" : text;
         }},
        radiance_option("layer", &LayerChoice::layer, "the layer that is radiance, as --layer"),

@@ -116,7 +116,7 @@ class Mapper {
                   "{}: {} has no R, G, B: radiance has three colours, save it so or choose a layer",
                   file_, spelt(chosen.layer));
     if (!chosen.remark.empty()) mapping_.notes.push_back(chosen.remark);
-    radiance_ = &chosen.layer;
+    radiance_ = chosen.layer;
     SPOOL_TRY(add("radiance", chosen.layer.part,
                   {chosen.layer.colour->begin(), chosen.layer.colour->end()}));
     for (const auto& [ours, theirs] : map.layers)
@@ -135,7 +135,7 @@ class Mapper {
 
   // Of the view of radiance, in a part that is no deep one.
   bool beside_radiance(const ExrLayer& layer) const {
-    return parts_[layer.part].flat && (layer.view.empty() || layer.view == radiance_->view);
+    return parts_[layer.part].flat && (layer.view.empty() || layer.view == radiance_.view);
   }
 
   Result<void> add(const std::string& ours, size_t part, const std::vector<size_t>& channels,
@@ -151,11 +151,11 @@ class Mapper {
                   "them in one type",
                   file_, ours, listed(types));
     }
-    if (parts_[part].data != parts_[radiance_->part].data)
+    if (parts_[part].data != parts_[radiance_.part].data)
       return fail(ErrorCode::kData,
                   "{}: {} (part {}) has another data window than radiance (part {}): save them "
                   "alike",
-                  file_, ours, part, radiance_->part);
+                  file_, ours, part, radiance_.part);
     MappedLayer layer{ours, std::move(components), {}, *type};
     for (const size_t c : channels) {
       layer.planes.emplace_back(part, c);
@@ -199,11 +199,10 @@ class Mapper {
 
   // "View.Layer.Depth" of the view layer of radiance.
   Result<void> add_blender() {
-    if (radiance_->before.empty()) return {};
+    if (radiance_.before.empty()) return {};
     for (const Synonym& row : kBlender) {
       for (const ExrLayer& layer : layers_) {
-        if (layer.pass != row.theirs || layer.before != radiance_->before ||
-            !beside_radiance(layer))
+        if (layer.pass != row.theirs || layer.before != radiance_.before || !beside_radiance(layer))
           continue;
         SPOOL_TRY(add_fitting(std::string(row.ours), layer));
       }
@@ -247,7 +246,7 @@ class Mapper {
     // Z beside R, G, B in their layer.
     for (const ExrLayer& layer : layers_) {
       const auto depth = layer.channels.find("Z");
-      if (layer.part == radiance_->part && layer.name == radiance_->name &&
+      if (layer.part == radiance_.part && layer.name == radiance_.name &&
           depth != layer.channels.end() && !has("depth"))
         SPOOL_TRY(add("depth", layer.part, {depth->second}, {"Z"}));
     }
@@ -276,7 +275,7 @@ class Mapper {
   const std::vector<ExrPart>& parts_;
   const std::string& file_;
   const std::vector<ExrLayer> layers_;
-  const ExrLayer* radiance_ = nullptr;
+  ExrLayer radiance_;
   ExrMapping mapping_;
 };
 

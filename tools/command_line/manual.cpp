@@ -31,7 +31,7 @@ std::vector<std::string> names_of_presets() {
 
 // Values that CLI11 does not know: names of methods and scenes.
 std::vector<std::string> known_names(const std::string& verb, const CLI::Option& option) {
-  const std::string name = option.get_single_name();
+  const std::string& name = option.get_single_name();
   if (name == "sampler" || name == "samplers") return names_of(samplers());
   if (name == "filter" || name == "filters") return names_of(filters());
   if (verb == "pack" && name == "from") {

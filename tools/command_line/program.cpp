@@ -43,7 +43,8 @@ CLI::Option* repeatable(CLI::Option* option) {
 
 // "TEXT:{shared,exact}", "{label->0,name->1} OR {0,1}" and "recorded|shuffled" say all values.
 std::vector<std::string> written_choices(const CLI::Option& option) {
-  const std::string type = option.get_type_name(), shown = option.get_option_text();
+  const std::string type = option.get_type_name();
+  const std::string& shown = option.get_option_text();
   const std::size_t open = type.find('{'), close = type.find('}');
   std::string listed;
   if (open != std::string::npos && close > open) listed = type.substr(open + 1, close - open - 1);
