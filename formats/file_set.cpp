@@ -46,11 +46,7 @@ Result<void> FileSet::write(const std::string& name,
   const fs::path place = hidden_.path() / kNew / name;
   Result<void> written = write(place);
   if (written) return {};
-  std::string message = written.error().message;
-  // The user knows the target, and not the temporary file of its writer.
-  if (const std::string prefix = place.string(); message.starts_with(prefix))
-    message.replace(0, message.find(": ", prefix.size()), (folder_ / name).string());
-  return fail(written.error().code, "{}", message);
+  return named_after(folder_ / name, place, std::move(written).error());
 }
 
 Result<void> FileSet::exchange(bool& undone) {

@@ -23,14 +23,14 @@ bool is_temporary_name(std::string_view name) {
          name.substr(name.size() - tail).starts_with(kMark);
 }
 
-// The user knows the target, not the name beside it.
+}  // namespace
+
 tl::unexpected<Error> named_after(const fs::path& target, const fs::path& name, Error error) {
   const std::string prefix = name.string();
-  if (error.message.starts_with(prefix)) error.message.replace(0, prefix.size(), target.string());
+  if (error.message.starts_with(prefix))
+    error.message.replace(0, error.message.find(": ", prefix.size()), target.string());
   return fail(error.code, "{}", error.message);
 }
-
-}  // namespace
 
 fs::path temporary_name(const fs::path& target) {
   const std::string tail = std::string(kMark) + random_letters() + std::string(kSuffix);

@@ -25,6 +25,11 @@ std::string random_letters();
 // TARGET.spool-RANDOM.partial, shortened to what a file system takes, with a letter to spare.
 std::filesystem::path temporary_name(const std::filesystem::path& target);
 
+// The error of a file `name`, or of a temporary one beside it, as one of `target`, which the user
+// knows.
+tl::unexpected<Error> named_after(const std::filesystem::path& target,
+                                  const std::filesystem::path& name, Error error);
+
 // What may stand in the target's place when the file is finished.
 enum class Replace {
   kNothing,      // the target must not be there

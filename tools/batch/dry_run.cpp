@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "formats/spool_reader.h"
+#include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/result_table.h"
@@ -101,11 +102,6 @@ Result<Listing> list_cells(const RunRequest& request) {
                   "\n";
   }
   return found;
-}
-
-// "1 filter", "2 filters"
-std::string counted(std::size_t number, std::string_view noun) {
-  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
 }
 
 void print_listing(const RunRequest& request, const Listing& cells, std::size_t cells_left) {

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
 #include "tools/terminal/console.h"
 
@@ -92,8 +93,8 @@ std::string support_text(const ShownResults& shown, bool wide) {
   std::string text = fewest_text(fewest);
   for (const auto& [name, found] : withheld) {
     const auto& [count, why] = found;
-    text += fmt::format("No verdict on {} ({}): {} result{}: {}.\n", name.first, name.second, count,
-                        count == 1 ? "" : "s", withheld_remedy(why));
+    text += fmt::format("No verdict on {} ({}): {}: {}.\n", name.first, name.second,
+                        counted(static_cast<std::uint64_t>(count), "result"), withheld_remedy(why));
   }
   return text;
 }
