@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lib/kernels/energy_step.h"
+#include "lib/kernels/returned_residual.h"
 #include "lib/kernels/sample_clamp.h"
 #include "lib/kernels/scene_luminance.h"
 
@@ -12,22 +13,30 @@ namespace spool {
 namespace {
 
 enum class EnergyStage { kOff, kBox, kFirst };
+enum class ResidualStage { kOff, kHalves };
 
 // Bytes a pixel: the clamped samples' statistics, the image that is restored.
-constexpr double kClampMemory = 70, kEnergyMemory = 16;
+constexpr double kClampMemory = 70, kResidualMemory = 260, kEnergyMemory = 16;
 
 // Of light that a sampler lost, which may have been anywhere but in a lamp (decision 159).
 constexpr EnergyStepOptions kOfFirstSamples = {.floor = 0.5, .top = 1.0};
 
 struct StageOptions {
   bool clamp = false;
+  ResidualStage residual = ResidualStage::kOff;
   EnergyStage energy = EnergyStage::kOff;
+
+  bool behind() const { return residual != ResidualStage::kOff || energy != EnergyStage::kOff; }
 };
 
 OptionTable<StageOptions> stage_option_table() {
   return {
       switch_option("clamp", &StageOptions::clamp,
                     "samples far above what those around them allow are scaled down before"),
+      choice_option<StageOptions, ResidualStage>(
+          "residual", &StageOptions::residual,
+          {{"off", ResidualStage::kOff}, {"halves", ResidualStage::kHalves}},
+          "what two halves of the samples agree that the filter took away comes back"),
       choice_option<StageOptions, EnergyStage>(
           "energy", &StageOptions::energy,
           {{"off", EnergyStage::kOff}, {"box", EnergyStage::kBox}, {"first", EnergyStage::kFirst}},
@@ -60,28 +69,41 @@ PieceStatistics first_samples(const PieceStatistics& taken, const SamplePool& po
   return prefix_means(pool, n);
 }
 
+RgbImage with_energy(RgbImage image, EnergyStage energy, const Selection& selection,
+                     const SamplePool& pool, double unit, GuardCounts& guards) {
+  GuardCounts counted_by_the_filter;
+  const bool first = energy == EnergyStage::kFirst;
+  const RgbImage mean =
+      first ? pixel_means(first_samples(selection.statistics, pool), counted_by_the_filter)
+            : pixel_means(selection.statistics, counted_by_the_filter);
+  return restore_energy(std::move(image), mean, unit, first ? kOfFirstSamples : EnergyStepOptions{},
+                        guards);
+}
+
 Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOptions& options,
                                  const Selection& selection, const SamplePool& pool,
                                  const FilterContext& context) {
   GuardCounts guards;
   FilterContext inner = context;
-  if (options.energy != EnergyStage::kOff) inner.footprints = nullptr;  // its image is not the last
+  if (options.behind()) inner.footprints = nullptr;  // its image is not the last
   Result<Reconstruction> result = [&] {
     if (!options.clamp) return filter(selection, pool, inner);
     const ClampedSamples clamped = clamp_samples(selection, pool, {}, guards);
     return filter(clamped.selection, clamped.pool, inner);
   }();
   if (!result) return result;
-  if (options.energy != EnergyStage::kOff) {
+  if (options.behind()) {
+    const int q = pool.pieces_per_side();
+    const CountImage& n = selection.statistics.n;
+    RgbImage& image = result->image;
+    if (image[0].width() != n.width() / q || image[0].height() != n.height() / q)
+      return result;  // the caller reports it
     GuardCounts counted_by_the_filter;
-    const bool first = options.energy == EnergyStage::kFirst;
-    const RgbImage mean =
-        first ? pixel_means(first_samples(selection.statistics, pool), counted_by_the_filter)
-              : pixel_means(selection.statistics, counted_by_the_filter);
-    if (!result->image[0].same_size(mean[0])) return result;  // the caller reports it
-    result->image = restore_energy(std::move(result->image), mean,
-                                   scene_luminance(selection.statistics, counted_by_the_filter),
-                                   first ? kOfFirstSamples : EnergyStepOptions{}, guards);
+    const double unit = scene_luminance(selection.statistics, counted_by_the_filter);
+    if (options.residual == ResidualStage::kHalves)
+      image = return_residual(std::move(image), selection, pool, unit);
+    if (options.energy != EnergyStage::kOff)
+      image = with_energy(std::move(image), options.energy, selection, pool, unit, guards);
   }
   result->guards += guards;
   return result;
@@ -116,9 +138,10 @@ Filter with_stage_options(Filter filter, OwnOptions own) {
     }
     SPOOL_ASSIGN(const StageOptions options, with_options(table, StageOptions{}, of_stage));
     SPOOL_ASSIGN(ReadyFilter ready, filter.make(preset, of_filter));
-    if (!options.clamp && options.energy == EnergyStage::kOff) return ready;
+    if (!options.clamp && !options.behind()) return ready;
     ready.needs.signal = ready.needs.variance = true;
     if (options.clamp) ready.memory.per_pixel += kClampMemory;
+    if (options.residual != ResidualStage::kOff) ready.memory.per_pixel += kResidualMemory;
     if (options.energy != EnergyStage::kOff) ready.memory.per_pixel += kEnergyMemory;
     ready.run = [run = std::move(ready.run), options](const Selection& selection,
                                                       const SamplePool& pool,

@@ -1,6 +1,8 @@
 // What may stand before and behind any filter, those outside this program too:
 //
 //   clamp = on      the filter gets clamped samples (lib/kernels/sample_clamp.h)
+//   residual = halves  what two halves of the samples agree that the filter took away comes back
+//                   (lib/kernels/returned_residual.h)
 //   energy = box    its image gets the energy of the mean of the samples taken, not clamped
 //                   (lib/kernels/energy_step.h)
 //   energy = first  the same of the first samples of each piece alone, as many as every piece has

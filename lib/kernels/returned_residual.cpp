@@ -1,0 +1,171 @@
+#include "lib/kernels/returned_residual.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "lib/core/parallel.h"
+#include "lib/kernels/truncated_filter.h"
+#include "lib/statistics/joined_halves.h"
+
+namespace spool {
+namespace {
+
+constexpr double kLeastLuminance = 1e-3;  // in units of the scene's luminance
+constexpr double kMostRatio = 4.0;
+constexpr double kFine = 0.7, kWide = 8.0;          // sigma, pixels
+constexpr double kTwoErrors = 2.0 * kFine / kWide;  // of a mean over the wide window
+constexpr double kHatSpacing = 3.0;                 // of logarithms
+constexpr int kFirstHat = -2, kLastHat = 3;         // what is darker or brighter is of these
+constexpr double kLeastWeight = 1e-12;              // of a hat around a pixel
+
+struct Ratios {
+  Plane a, b;              // means of the halves' limited ratios
+  Plane whole;             // mean of both halves' ratios
+  Plane hat;               // log(I / U) / spacing, within the hats
+  std::vector<char> used;  // has samples in both halves
+};
+
+// Even or odd: of joined halves the half that took the sample, else its position.
+class HalfOf {
+ public:
+  explicit HalfOf(const Selection& selection)
+      : joined_(selection.halves_use == HalvesUse::kTogether && selection.halves.size() == 2
+                    ? &selection.halves
+                    : nullptr) {}
+  int operator()(int px, int py, int i) const {
+    if (!joined_) return i % 2;
+    return half_of_joined((*joined_)[0].statistics.n(px, py), (*joined_)[1].statistics.n(px, py),
+                          i);
+  }
+
+ private:
+  const std::vector<Selection>* joined_;
+};
+
+Ratios ratios_of(const RgbImage& image, const Selection& selection, const SamplePool& pool,
+                 double unit) {
+  const int width = image[0].width(), height = image[0].height(), q = pool.pieces_per_side();
+  const Plane empty(width, height);
+  Ratios ratios{empty, empty, empty, empty, std::vector<char>(empty.size(), 0)};
+  const HalfOf half_of(selection);
+  parallel_rows(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const double own = luminance(image[0](x, y), image[1](x, y), image[2](x, y));
+      if (!std::isfinite(own)) continue;
+      const double bright = std::max(own, kLeastLuminance * unit);
+      std::array<double, 2> limited{}, sum{};
+      std::array<int, 2> count{};
+      for (int py = y * q; py < (y + 1) * q; ++py) {
+        for (int px = x * q; px < (x + 1) * q; ++px) {
+          for (int i = 0; i < selection.statistics.n(px, py); ++i) {
+            const Rgb value = pool.sample(px, py, i);
+            const double ratio = luminance(value[0], value[1], value[2]) / bright;
+            const auto half = static_cast<std::size_t>(half_of(px, py, i));
+            limited[half] += std::min(ratio, kMostRatio);
+            sum[half] += ratio;
+            ++count[half];
+          }
+        }
+      }
+      if (count[0] == 0 || count[1] == 0) continue;
+      const std::size_t p = empty.index(x, y);
+      ratios.a[p] = limited[0] / count[0];
+      ratios.b[p] = limited[1] / count[1];
+      ratios.whole[p] = 0.5 * (sum[0] / count[0] + sum[1] / count[1]);
+      ratios.hat[p] = std::clamp(std::log(bright / unit) / kHatSpacing,
+                                 static_cast<double>(kFirstHat), static_cast<double>(kLastHat));
+      ratios.used[p] = 1;
+    }
+  });
+  return ratios;
+}
+
+// W of the header.
+class AboutAsBright {
+ public:
+  explicit AboutAsBright(const Ratios& ratios) {
+    for (int k = kFirstHat; k <= kLastHat; ++k) {
+      Plane weight(ratios.hat.width(), ratios.hat.height());
+      bool any = false;
+      for (std::size_t p = 0; p < weight.size(); ++p) {
+        if (!ratios.used[p]) continue;
+        weight[p] = std::max(0.0, 1.0 - std::abs(ratios.hat[p] - k));
+        any = any || weight[p] > 0.0;
+      }
+      if (!any) continue;
+      Hat hat{std::move(weight), {}, {}};
+      hat.fine = truncated_sum(hat.weight, fine_);
+      hat.wide = truncated_sum(hat.weight, wide_);
+      hats_.push_back(std::move(hat));
+    }
+  }
+  Plane fine(const Plane& image) const { return mean(image, fine_, &Hat::fine); }
+  Plane wide(const Plane& image) const { return mean(image, wide_, &Hat::wide); }
+
+ private:
+  struct Hat {
+    Plane weight, fine, wide;  // itself and its sums
+  };
+
+  Plane mean(const Plane& image, const Taps& taps, Plane Hat::* sums) const {
+    Plane out(image.width(), image.height());
+    for (const Hat& hat : hats_) {
+      Plane weighted(image.width(), image.height());
+      for (std::size_t p = 0; p < out.size(); ++p)
+        weighted[p] = hat.weight[p] * image[p];
+      weighted = truncated_sum(weighted, taps);
+      for (std::size_t p = 0; p < out.size(); ++p) {
+        if (hat.weight[p] > 0.0)
+          out[p] += hat.weight[p] * weighted[p] / std::max((hat.*sums)[p], kLeastWeight);
+      }
+    }
+    return out;
+  }
+
+  Taps fine_ = four_sigma_taps(kFine), wide_ = four_sigma_taps(kWide);
+  std::vector<Hat> hats_;
+};
+
+Plane difference(Plane a, const Plane& b) {
+  for (std::size_t p = 0; p < a.size(); ++p)
+    a[p] -= b[p];
+  return a;
+}
+
+double minmod(double a, double b) {
+  if (a > 0.0 && b > 0.0) return std::min(a, b);
+  if (a < 0.0 && b < 0.0) return std::max(a, b);
+  return 0.0;
+}
+
+}  // namespace
+
+RgbImage return_residual(RgbImage image, const Selection& selection, const SamplePool& pool,
+                         double unit) {
+  const Ratios ratios = ratios_of(image, selection, pool, unit);
+  const AboutAsBright means(ratios);
+  const Plane a = difference(means.fine(ratios.a), means.wide(ratios.a));
+  const Plane b = difference(means.fine(ratios.b), means.wide(ratios.b));
+  const Plane whole = means.fine(ratios.whole);
+  Plane product = a, noise = a;
+  for (std::size_t p = 0; p < a.size(); ++p) {
+    product[p] = a[p] * b[p];
+    noise[p] = 0.25 * (a[p] - b[p]) * (a[p] - b[p]);
+  }
+  const Plane agreed = means.wide(product), wide_noise = means.wide(noise);
+  const Plane fine_noise = means.fine(noise);
+  for (std::size_t p = 0; p < a.size(); ++p) {
+    const double bias = agreed[p] - kTwoErrors * (agreed[p] + wide_noise[p]);
+    if (!ratios.used[p] || bias <= 0.0) continue;
+    const double share = bias / (bias + std::max(wide_noise[p], fine_noise[p]));
+    const double factor = 1.0 + share * minmod(0.5 * (a[p] + b[p]), whole[p] - 1.0);
+    for (Plane& channel : image)
+      channel[p] *= factor;
+  }
+  return image;
+}
+
+}  // namespace spool

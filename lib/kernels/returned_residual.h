@@ -1,0 +1,37 @@
+// Returns to an image what two halves of its samples agree that the filter took away. Like
+// combiners of biased and unbiased images [GuWeiGharbiEtAl22], it moves each pixel from the image
+// towards the mean of its own samples; how far, independent halves decide.
+//
+// I_p = max(luminance of the image, 1e-3 U), U the scene's luminance. r_i = luminance of sample i /
+// I_p.
+//
+//   a, b = means over the even and over the odd samples of min(r_i, 4);   u = mean of both halves'
+//   r_i W_s  = mean under a Gaussian of s pixels over pixels about as bright (below) A    = W_0.7 a
+//   - W_8 a,   B = W_0.7 b - W_8 b,   d = ((A - B) / 2)^2 bias = max(0, W_8(A B) - k (W_8(A B)
+//   + W_8 d)),   k = 2 * 0.7 / 8 t    = bias / (bias + max(W_8 d, W_0.7 d)) out  = image (1 + t
+//   minmod((A + B) / 2, W_0.7 u - 1)),   minmod: the smaller of one sign, or 0
+//
+// Noise of the halves is independent, so W_8(A B) has the squared bias in expectation, whatever
+// the noise; what a filter shares with both halves makes it smaller. k is two standard errors of a
+// mean over the window. t is the share that least squares gives the samples. Without the limit of 4
+// single bright samples decide; without minmod a pixel free of noise in front of noisy ones, such
+// as a lamp, would move, because the limit lowers only the others' means.
+//
+// Pixels about as bright: hat functions of log I, three apart; W is the mean under each hat,
+// interpolated at p. Pixels without a sample in both halves, and those that are not finite, keep
+// their value and take no part. Windows are cut at the border. Slow twin:
+// tests/reference/returned_residual_reference.h.
+#pragma once
+
+#include "lib/core/image.h"
+#include "lib/pool/sample_pool.h"
+#include "lib/statistics/selection.h"
+
+namespace spool {
+
+// `image` [c][y][x] of pixels, radiance units, made of what `selection` took of `pool` (of halves
+// that are used together, of pool_of_joined()). `unit`: U > 0, radiance units (scene_luminance.h).
+RgbImage return_residual(RgbImage image, const Selection& selection, const SamplePool& pool,
+                         double unit);
+
+}  // namespace spool
