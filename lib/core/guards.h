@@ -52,6 +52,8 @@ namespace spool {
     "an estimate of a squared error that decides came out negative and is taken as zero")          \
   X(kClampedSample, "clamped_sample",                                                              \
     "a sample is scaled down to what the samples around it allow (option clamp, filter clamped)")  \
+  X(kResidualNotFinite, "residual_not_finite",                                                     \
+    "a pixel that is not finite takes no part in the returned residual")                           \
   X(kEnergyNotFinite, "energy_not_finite",                                                         \
     "a pixel that is not finite takes no part in the energy step")                                 \
   X(kSparseHalf, "sparse_half",                                                                    \

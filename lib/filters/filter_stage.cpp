@@ -101,7 +101,7 @@ Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOption
     GuardCounts counted_by_the_filter;
     const double unit = scene_luminance(selection.statistics, counted_by_the_filter);
     if (options.residual == ResidualStage::kHalves)
-      image = return_residual(std::move(image), selection, pool, unit);
+      image = return_residual(std::move(image), selection, pool, unit, guards);
     if (options.energy != EnergyStage::kOff)
       image = with_energy(std::move(image), options.energy, selection, pool, unit, guards);
   }
@@ -140,6 +140,7 @@ Filter with_stage_options(Filter filter, OwnOptions own) {
     SPOOL_ASSIGN(ReadyFilter ready, filter.make(preset, of_filter));
     if (!options.clamp && !options.behind()) return ready;
     ready.needs.signal = ready.needs.variance = true;
+    if (options.residual != ResidualStage::kOff) ready.needs.pool = true;
     if (options.clamp) ready.memory.per_pixel += kClampMemory;
     if (options.residual != ResidualStage::kOff) ready.memory.per_pixel += kResidualMemory;
     if (options.energy != EnergyStage::kOff) ready.memory.per_pixel += kEnergyMemory;

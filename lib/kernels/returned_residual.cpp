@@ -144,7 +144,11 @@ double minmod(double a, double b) {
 }  // namespace
 
 RgbImage return_residual(RgbImage image, const Selection& selection, const SamplePool& pool,
-                         double unit) {
+                         double unit, GuardCounts& guards) {
+  for (std::size_t p = 0; p < image[0].size(); ++p) {
+    if (!std::isfinite(luminance(image[0][p], image[1][p], image[2][p])))
+      guards.add(Guard::kResidualNotFinite);
+  }
   const Ratios ratios = ratios_of(image, selection, pool, unit);
   const AboutAsBright means(ratios);
   const Plane a = difference(means.fine(ratios.a), means.wide(ratios.a));

@@ -1,6 +1,6 @@
 // Returns to an image what two halves of its samples agree that the filter took away. Like
-// combiners of biased and unbiased images [GuWeiGharbiEtAl22], it moves each pixel from the image
-// towards the mean of its own samples; how far, independent halves decide.
+// combiners of biased and unbiased images [GuIglesiasGuitianMoon22], it moves each pixel from the
+// image towards the mean of its own samples; how far, independent halves decide.
 //
 // I_p = max(luminance of the image, 1e-3 U), U the scene's luminance. r_i = luminance of sample i /
 // I_p.
@@ -23,6 +23,7 @@
 // tests/reference/returned_residual_reference.h.
 #pragma once
 
+#include "lib/core/guards.h"
 #include "lib/core/image.h"
 #include "lib/pool/sample_pool.h"
 #include "lib/statistics/selection.h"
@@ -32,6 +33,6 @@ namespace spool {
 // `image` [c][y][x] of pixels, radiance units, made of what `selection` took of `pool` (of halves
 // that are used together, of pool_of_joined()). `unit`: U > 0, radiance units (scene_luminance.h).
 RgbImage return_residual(RgbImage image, const Selection& selection, const SamplePool& pool,
-                         double unit);
+                         double unit, GuardCounts& guards);
 
 }  // namespace spool

@@ -86,10 +86,13 @@ TEST(FilterList, FiltersThatNeedNoVarianceMakeTheSameImageOfMeansAlone) {
     EXPECT_EQ(a->guards[Guard::kEmptyPiece], b->guards[Guard::kEmptyPiece]);
   }
   EXPECT_EQ(without, (std::set<std::string>{"box", "gaussian", "twin_guides"}));
-  for (const char* option : {"clamp", "energy"}) {
-    const auto staged = make_method(
-        filters(), {"box", "", {{option, option == std::string("clamp") ? "on" : "box"}}});
+  for (const auto& [option, value] :
+       {std::pair{"clamp", "on"}, {"residual", "halves"}, {"energy", "box"}}) {
+    const auto staged = make_method(filters(), {"box", "", {{option, value}}});
     EXPECT_TRUE(staged->needs.variance);
+    if (option == std::string("residual")) {
+      EXPECT_TRUE(staged->needs.pool);
+    }
   }
 }
 

@@ -5,7 +5,10 @@
 #include "lib/core/pairwise_sum.h"
 #include "lib/filters/box.h"
 #include "lib/filters/filters.h"
+#include "lib/kernels/energy_step.h"
+#include "lib/kernels/returned_residual.h"
 #include "lib/kernels/sample_clamp.h"
+#include "lib/kernels/scene_luminance.h"
 #include "tests/filters/small_pools.h"
 #include "tests/reference/test_images.h"
 
@@ -33,7 +36,7 @@ Reconstruction run(std::string_view filter, const OptionValues& set, const Selec
 
 TEST(FilterStage, EveryFilterHasTheOptions) {
   for (const Filter& filter : filters()) {
-    for (const char* name : {"clamp", "energy"}) {
+    for (const char* name : {"clamp", "residual", "energy"}) {
       int found = 0;
       for (const OptionDescription& option : filter.describe(""))
         found += option.name == name ? 1 : 0;
@@ -54,6 +57,28 @@ TEST(FilterStage, EnergyIsThatOfTheBoxMean) {
       for (std::size_t c = 0; c < 3; ++c)
         EXPECT_NEAR(sum_of(image[c]) / sum_of(box[c]), 1.0, 1e-12) << filter << " " << clamp;
     }
+  }
+}
+
+// Not of the clamped ones, and before the energy.
+TEST(FilterStage, ResidualIsOfTheSamplesTaken) {
+  const SamplePool pool = bright_pool();
+  const Selection selection = testing::select_uniform(pool, 8);
+  GuardCounts guards;
+  const double unit = scene_luminance(selection.statistics, guards);
+  const RgbImage box = run("box", {}, selection, pool).image;
+  for (const char* clamp : {"off", "on"}) {
+    const OptionValues plain = {{"sigma", "2"}, {"clamp", clamp}};
+    OptionValues with = plain, both = plain;
+    with.emplace_back("residual", "halves");
+    both.insert(both.end(), {{"residual", "halves"}, {"energy", "box"}});
+    const RgbImage filtered = run("gaussian", plain, selection, pool).image;
+    const RgbImage returned = return_residual(filtered, selection, pool, unit, guards);
+    EXPECT_FALSE(returned == filtered);
+    EXPECT_TRUE(run("gaussian", with, selection, pool).image == returned) << clamp;
+    EXPECT_TRUE(run("gaussian", both, selection, pool).image ==
+                restore_energy(returned, box, unit, {}, guards))
+        << clamp;
   }
 }
 
@@ -102,8 +127,9 @@ TEST(FilterStage, ClampIsThatOfTheKernelAndIsCounted) {
 TEST(FilterStage, OffIsTheFilterItself) {
   const SamplePool pool = bright_pool();
   const Selection selection = testing::select_uniform(pool, 8);
-  EXPECT_TRUE(run("gaussian", {{"clamp", "off"}, {"energy", "off"}}, selection, pool).image ==
-              run("gaussian", {}, selection, pool).image);
+  EXPECT_TRUE(
+      run("gaussian", {{"clamp", "off"}, {"residual", "off"}, {"energy", "off"}}, selection, pool)
+          .image == run("gaussian", {}, selection, pool).image);
 }
 
 TEST(FilterStage, OptionOfTheFilterItselfWins) {
@@ -116,7 +142,7 @@ TEST(FilterStage, OptionOfTheFilterItselfWins) {
        .options = {switch_option("energy", &Own::energy, "its own")},
        .run = [](const Selection&, const SamplePool&, const Own&,
                  const FilterContext&) -> Result<Reconstruction> { return Reconstruction{}; }}));
-  EXPECT_EQ(own.describe("").size(), 2u);
+  EXPECT_EQ(own.describe("").size(), 3u);
   EXPECT_TRUE(own.make("", {{"energy", "on"}}).has_value());
   EXPECT_FALSE(own.make("", {{"energy", "box"}}).has_value());
 }

@@ -42,8 +42,14 @@ std::vector<reference::HalvesOfPixel> halves_by_position(const Selection& select
   return halves;
 }
 
+RgbImage returned(const RgbImage& image, const Selection& selection, const SamplePool& pool,
+                  double unit) {
+  GuardCounts guards;
+  return return_residual(image, selection, pool, unit, guards);
+}
+
 void expect_twin(const RgbImage& image, const Selection& selection, const SamplePool& pool) {
-  const RgbImage fast = return_residual(image, selection, pool, 0.7);
+  const RgbImage fast = returned(image, selection, pool, 0.7);
   const RgbImage slow = reference::return_residual(image, halves_by_position(selection, pool), 0.7);
   for (std::size_t c = 0; c < 3; ++c)
     EXPECT_LT(reference::max_difference(fast[c], slow[c]), 1e-12);
@@ -92,7 +98,7 @@ TEST(ReturnedResidual, DetailThatAFilterTookComesBack) {
   const SamplePool pool = testing::make_pool(kSize, kSize, kSamples, radiance);
   const Selection selection = testing::select_uniform(pool, kSamples);
   const RgbImage flat = make_rgb(kSize, kSize, 1.0);
-  const RgbImage image = return_residual(flat, selection, pool, 1.0);
+  const RgbImage image = returned(flat, selection, pool, 1.0);
   double before = 0.0, after = 0.0;
   for (int y = 0; y < kSize; ++y) {
     for (int x = 0; x < kSize; ++x) {
@@ -119,7 +125,7 @@ TEST(ReturnedResidual, NoiseStaysAway) {
       const Selection selection = testing::select_uniform(pool, samples);
       GuardCounts guards;
       const RgbImage box = pixel_means(selection.statistics, guards);
-      const RgbImage image = return_residual(make_rgb(kSize, kSize, 1.0), selection, pool, 1.0);
+      const RgbImage image = returned(make_rgb(kSize, kSize, 1.0), selection, pool, 1.0);
       double noise = 0.0, returned = 0.0;
       for (std::size_t p = 0; p < image[0].size(); ++p) {
         noise += std::pow(box[0][p] - 1.0, 2);
@@ -146,7 +152,7 @@ TEST(ReturnedResidual, LampWithoutNoiseStaysAsItIs) {
         channel(x, y) = 5.0;
     }
   }
-  const RgbImage out = return_residual(image, testing::select_uniform(pool, 8), pool, 0.3);
+  const RgbImage out = returned(image, testing::select_uniform(pool, 8), pool, 0.3);
   for (int y = 17; y < 23; ++y) {
     for (int x = 17; x < 23; ++x)
       EXPECT_NEAR(out[0](x, y), 5.0, 0.05);
@@ -164,13 +170,13 @@ TEST(ReturnedResidual, PowerOfTwoScalesTheResult) {
       return value;
     });
     RgbImage image = test::uniform_image(20, 15, 3, 0.2, 3.0);
-    RgbImage out = return_residual(image, testing::select_uniform(pool, 6), pool, 1.0);
+    RgbImage out = returned(image, testing::select_uniform(pool, 6), pool, 1.0);
     for (Plane& channel : image) {
       for (double& v : channel.pixels())
         v *= factor;
     }
     const RgbImage scaled =
-        return_residual(image, testing::select_uniform(scaled_pool, 6), scaled_pool, factor);
+        returned(image, testing::select_uniform(scaled_pool, 6), scaled_pool, factor);
     for (Plane& channel : out) {
       for (double& v : channel.pixels())
         v *= factor;
@@ -186,7 +192,10 @@ TEST(ReturnedResidual, PixelsWithoutHalvesAndNotFiniteOnesKeepTheirValues) {
   RgbImage image = make_rgb(20, 20, 1.0);
   image[1](9, 9) = std::numeric_limits<double>::quiet_NaN();
   image[2](12, 9) = std::numeric_limits<double>::infinity();
-  const RgbImage out = return_residual(image, testing::select_counts(pool, counts), pool, 1.0);
+  GuardCounts guards;
+  const RgbImage out =
+      return_residual(image, testing::select_counts(pool, counts), pool, 1.0, guards);
+  EXPECT_EQ(guards[Guard::kResidualNotFinite], 2u);
   for (int y = 0; y < 20; ++y) {
     for (int x = 0; x < 20; ++x) {
       if (x < 5) {
@@ -208,8 +217,7 @@ TEST(ReturnedResidualDeterminism, AnyNumberOfThreadsHasTheSameBits) {
   const Selection selection = testing::select_uniform(pool, 8);
   const RgbImage image = image_of_all_levels(70, 61);
   const auto run = [&](int threads) {
-    return test::with_threads(threads,
-                              [&] { return return_residual(image, selection, pool, 1.0); });
+    return test::with_threads(threads, [&] { return returned(image, selection, pool, 1.0); });
   };
   const RgbImage one = run(1);
   for (const int threads : {2, 7})

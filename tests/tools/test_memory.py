@@ -83,7 +83,7 @@ def test_what_a_sampler_needs_is_known_within_a_tenth(recordings, tmp_path, samp
     compare(command("replay", recordings / "plain.spool", sampler, tmp_path))
 
 
-@pytest.mark.parametrize("filter_name", [*FILTERS, "box{clamp=on}", "box{energy=box}", "box{energy=first}", "directional{clamp=on}", "nl_means{clamp=on,energy=box}"])
+@pytest.mark.parametrize("filter_name", [*FILTERS, "box{clamp=on}", "box{energy=box}", "box{energy=first}", "box{residual=halves}", "directional{clamp=on}", "nl_means{clamp=on,energy=box}"])
 def test_what_a_filter_needs_is_known_within_a_tenth(recordings, tmp_path, filter_name):
     compare(command("reconstruct", recordings / "plain.spool", filter_name, tmp_path))
 

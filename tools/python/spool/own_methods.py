@@ -14,7 +14,7 @@ from .arguments import flag, option_text, text, whole, wrong
 from .error import SpoolError
 from .function_identity import hash_of
 
-_OF_THE_STAGE = {"filter": ("clamp", "energy"), "sampler": ()}  # options that every one has, handled by the library
+_OF_THE_STAGE = {"filter": ("clamp", "residual", "energy"), "sampler": ()}  # options that every one has, handled by the library
 _MADE = weakref.WeakKeyDictionary()  # the names of a method, by which the library finds it while a call holds it
 
 
@@ -128,7 +128,7 @@ def filter(function: Callable | None = None, *, features: bool = False, moments:
            label: str | None = None) -> Method | Callable[[Callable], Method]:
     """Makes a function a filter: Statistics in, an image [y][x][3] of finite values out.
 
-    `features`, `label` and further parameters as of a sampler; `clamp` and `energy` are options of every filter.
+    `features`, `label` and further parameters as of a sampler; `clamp`, `residual` and `energy` are options of every filter.
     """
     make = lambda of: Method(of, "filter", None, 1, features, moments, label)
     return make if function is None else make(function)
