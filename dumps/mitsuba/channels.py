@@ -53,6 +53,17 @@ def no_diffuse_answer(mi, flags, black):
     return (flags & diffuse == 0) | (black & (flags & mirrors != 0))
 
 
+def past_lamps(dr, scene, ray):
+    """The ray from behind the lamps that it meets first: where an integrator hides lamps, light and features are of what stands there."""
+    while True:
+        hit = scene.ray_intersect(ray)
+        lamp = hit.is_valid() & (hit.emitter(scene) != None)  # noqa: E711
+        if not dr.any(lamp):
+            return ray
+        ray = type(ray)(ray)
+        ray.o = dr.select(lamp, hit.spawn_ray(ray.d).o, ray.o)
+
+
 def has_instances(scene):
     return any(shape.class_name() == "Instance" for shape in scene.shapes())
 

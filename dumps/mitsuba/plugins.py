@@ -8,8 +8,9 @@ from dumps.recording.failure import scene_failure, usage_failure
 SCALE_TOLERANCE = 5e-4           # below what Mitsuba takes for a scale: a squared length within 1e-3 of 1
 AROUND_ANOTHER = "aov", "moment"
 DEFAULT_FILM = 768, 576          # what Mitsuba takes where the film has no size
-# size: (width, height); direct: dict of the integrator of direct light only, or None; changes: lines to print
-Forced = namedtuple("Forced", "size direct changes")
+# size: (width, height); direct: dict of the integrator of direct light only, or None; hides: whether the integrator hides lamps;
+# changes: lines to print
+Forced = namedtuple("Forced", "size direct hides changes")
 
 
 def substitute(state, substitutes):
@@ -37,6 +38,13 @@ def refuse_unknown(mi, source, state):
             source, ", no ".join("%s %s" % pair for pair in unknown), unknown[0][1]))
 
 
+def refuse_without_camera(mi, source, state):
+    if not _cameras(mi, state):
+        raise scene_failure("%s: no sensor: add a camera to the scene" % source)
+    if _recorded_sensor(mi, state).props.plugin_name() == "batch":
+        raise scene_failure("%s: its sensor batch puts the pictures of several cameras into one: give the scene one of them" % source)
+
+
 def refuse_without_radiance(mi, source, state, wishes):
     """An integrator of features alone: what it gives is no light."""
     alone = [node.props.plugin_name() for node in state.nodes if node.type == mi.ObjectType.Integrator
@@ -55,7 +63,7 @@ def force(mi, state, wishes):
     if film and abs(size[0] * film[1] - size[1] * film[0]) > max(film):
         changes.append("%dx%d has another aspect than the film's %dx%d: the picture shows more or less of the scene" % (*size, *film))
     integrators = [node for node in state.nodes if node.type == kind.Integrator]
-    sensors = sum(node.type == kind.Sensor for node in state.nodes)
+    sensors = len(_cameras(mi, state))
     if sensors > 1:
         changes.append("the scene has %d sensors: only the first is recorded" % sensors)
     for node in state.nodes:
@@ -76,13 +84,14 @@ def force(mi, state, wishes):
             if not _has_child(state, node, kind.Film):
                 node.props["film"] = mi.load_dict({"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}})
     if integrators:
-        return Forced(size, _force_integrator(mi, integrators, wishes), changes)
+        direct = _force_integrator(mi, integrators, wishes)
+        return Forced(size, direct, any(node.props.get("hide_emitters", False) for node in integrators), changes)
     chosen = wishes.integrator or ("volpath" if any(node.type == kind.Medium for node in state.nodes) else "path")
     if not wishes.integrator:
         changes.append("the scene has no integrator: %s is used" % chosen)
     depth = {} if wishes.max_depth is None else {"max_depth": wishes.max_depth}
     state.root.props["integrator"] = mi.load_dict({"type": chosen, **depth})
-    return Forced(size, {"type": "path", "max_depth": 2} if chosen == "path" else None, changes)
+    return Forced(size, _direct_of(depth) if chosen == "path" else None, False, changes)
 
 
 def _film_size(mi, state):
@@ -107,9 +116,13 @@ def _force_integrator(mi, nodes, wishes):
         if wishes.max_depth is not None:
             node.props["max_depth"] = wishes.max_depth
         if node.props.plugin_name() == "path":
-            direct = {key: node.props[key] for key in node.props.keys() if key in ("rr_depth", "hide_emitters")}
-            direct.update(type="path", max_depth=2)
+            direct = _direct_of({key: node.props[key] for key in node.props.keys() if key in ("max_depth", "rr_depth", "hide_emitters")})
     return direct
+
+
+def _direct_of(path):
+    """Of a path integrator: no longer than its own paths."""
+    return {**path, "type": "path", "max_depth": path["max_depth"] if path.get("max_depth", -1) in (0, 1) else 2}
 
 
 def _rigid(mi, node):
@@ -143,9 +156,13 @@ def _children(state, node, kind):
     return [state.nodes[value.index()] for value in values if state.nodes[value.index()].type == kind]
 
 
+def _cameras(mi, state):
+    """Sensors of the scene itself, as Mitsuba counts them: not the light meters that hang on shapes."""
+    return _children(state, state.root, mi.ObjectType.Sensor)
+
+
 def _recorded_sensor(mi, state):
-    """The first of the scene, as Mitsuba counts them."""
-    return _children(state, state.root, mi.ObjectType.Sensor)[0]
+    return _cameras(mi, state)[0]
 
 
 def _replace(node, plugin):

@@ -156,11 +156,15 @@ def run(arguments):
     for note in notes:
         print(note, file=sys.stderr)
     layers = chosen_layers(options.channels, recordable)
-    if options.dry_run:
-        describe(options, recordable, tracer, layers, layer_types(layers, options.half))
-        return
+    try:
+        if options.dry_run:
+            describe(options, recordable, tracer, layers, layer_types(layers, options.half))
+            return
+        recorded = record(options, mi, recordable, tracer, layers)
+    except RuntimeError as error:  # of Mitsuba: what a plugin cannot do shows when a ray meets it
+        raise io_failure("%s: Mitsuba cannot render it (%s)" % (options.scene, " ".join(str(error).split())[:300]))
     failing = []
-    for path, findings in record(options, mi, recordable, tracer, layers):
+    for path, findings in recorded:
         print("%s: %dx%d, %d samples a pixel, %s" % (path, tracer.width, tracer.height, samples_of(options),
                                                      size_text(os.path.getsize(path))))
         failing += ["%s: whole, but its samples are not what they should be: %s" % (path, line(entry)) for entry in findings

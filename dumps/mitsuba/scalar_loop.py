@@ -2,9 +2,10 @@
 
 Scalar and wavefront variants draw different numbers from one seed, so the variant is part of a recording.
 """
+import drjit as dr
 import numpy as np
 
-from dumps.mitsuba.channels import has_instances, material_flags, no_diffuse_answer
+from dumps.mitsuba.channels import has_instances, material_flags, no_diffuse_answer, past_lamps
 from dumps.mitsuba.seeds import spread
 
 
@@ -58,6 +59,7 @@ class ScalarLoop:
 
     def _features(self, arrays, y, x, s, ray, sampler, medium):
         mi, of = self.mi, self.of
+        ray = past_lamps(dr, of.scene, ray) if of.hides_lamps else ray
         values = self.features.sample(of.scene, sampler, ray, medium)[2]
         shape, flags = 0, self.material_flags[0]
         if self.has_instances:

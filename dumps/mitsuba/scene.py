@@ -14,7 +14,14 @@ from collections import namedtuple
 
 from dumps.mitsuba import old_format, parameters, scene_files
 from dumps.mitsuba.losses import listen
-from dumps.mitsuba.plugins import depth_unit, force, refuse_unknown, refuse_without_radiance, substitute
+from dumps.mitsuba.plugins import (
+    depth_unit,
+    force,
+    refuse_unknown,
+    refuse_without_camera,
+    refuse_without_radiance,
+    substitute,
+)
 from dumps.recording import failure
 from dumps.recording.failure import Failure, scene_failure, usage_failure
 
@@ -35,10 +42,11 @@ Wishes = namedtuple("Wishes", "size integrator max_depth definitions substitutes
 
 
 class Recordable:
-    """scene, sensor, integrator, the integrator of the direct part (None where there is none), and what was changed."""
+    """scene, sensor, integrator, the integrator of the direct part (None where there is none), whether lamps are hidden from the camera,
+    and what was changed."""
 
-    def __init__(self, scene, integrator, direct, name, digest, changes):
-        self.scene, self.sensor, self.integrator, self.direct = scene, scene.sensors()[0], integrator, direct
+    def __init__(self, scene, integrator, direct, hides_lamps, name, digest, changes):
+        self.scene, self.sensor, self.integrator, self.direct, self.hides_lamps = scene, camera(scene), integrator, direct, hides_lamps
         self.name, self.digest, self.changes = name, digest, changes
         self.has_lens = bool(self.sensor.needs_aperture_sample())
         self.depth_unit = depth_unit(self.sensor)
@@ -49,6 +57,11 @@ class Recordable:
             shape.interior_medium() is not None or shape.exterior_medium() is not None for shape in scene.shapes())
         if self.has_volumes and integrator.class_name() in ("PathIntegrator", "DirectIntegrator"):
             changes.append("the scene has volumes, which its integrator does not see: --integrator volpath does")
+
+
+def camera(scene):
+    """The first sensor that is no light meter on a shape."""
+    return next(sensor for sensor in scene.sensors() if sensor.get_shape() is None)
 
 
 class Source:
@@ -65,7 +78,7 @@ def load_scene(mi, source, wishes=Wishes()):
     config.merge_meshes = False  # merged meshes lose their shape index
     config.unused_properties = config.unused_parameters = mi.LogLevel.Warn
     try:
-        (found, scene, direct), heard = listen(mi, lambda: _instantiate(mi, config, source, wishes))
+        (found, scene, forced), heard = listen(mi, lambda: _instantiate(mi, config, source, wishes))
     except Failure:
         raise
     except Exception as error:  # Mitsuba raises RuntimeError and others for whatever is wrong in a scene
@@ -85,19 +98,19 @@ def load_scene(mi, source, wishes=Wishes()):
     if isinstance(integrator, getattr(mi, "CppADIntegrator", ())):           # prb and its like: their sample() is another
         raise scene_failure("%s: integrator %s differentiates and traces samples in a way of its own: choose another with "
                             "--integrator path" % (source, type(integrator).__name__))
-    return Recordable(scene, integrator, mi.load_dict(direct) if direct else None, found.name, found.digest, found.changes)
+    return Recordable(scene, integrator, mi.load_dict(forced.direct) if forced.direct else None, forced.hides, found.name, found.digest,
+                      found.changes)
 
 
 def _instantiate(mi, config, source, wishes):
-    """(Source, scene, dict of the direct integrator or None)"""
+    """(Source, scene, what was forced)"""
     with tempfile.TemporaryDirectory() as meshes:
         found = _parse(mi, config, source, wishes, meshes)
         mi.parser.transform_all(config, found.state)
         found.changes += substitute(found.state, wishes.substitutes)
         if found.files:
             refuse_unknown(mi, source, found.state)
-        if not any(node.type == mi.ObjectType.Sensor for node in found.state.nodes):
-            raise scene_failure("%s: no sensor: add a camera to the scene" % source)
+        refuse_without_camera(mi, source, found.state)
         if found.files:
             named = scene_files.named_files(mi, found.state)
             scene_files.require(source, named)
@@ -109,10 +122,10 @@ def _instantiate(mi, config, source, wishes):
         refuse_without_radiance(mi, source, found.state, wishes)
         scene = mi.parser.instantiate(config, found.state)
     scene = scene[0] if isinstance(scene, (list, tuple)) else scene
-    size = tuple(int(v) for v in scene.sensors()[0].film().crop_size())
+    size = tuple(int(v) for v in camera(scene).film().crop_size())
     if size != forced.size:
         raise scene_failure("%s: its film is %dx%d, not %dx%d: give the scene a <film>" % (source, *size, *forced.size))
-    return found, scene, forced.direct
+    return found, scene, forced
 
 
 def _parse(mi, config, source, wishes, meshes):
@@ -146,7 +159,17 @@ def _python_scene(mi, source):
     spec.loader.exec_module(module)
     if not hasattr(module, "scene"):
         raise usage_failure("%s: has no function scene(mi) that returns a dict" % source)
-    return module.scene(mi)
+    found = module.scene(mi)
+    _refuse_made(mi, source, found)
+    return found
+
+
+def _refuse_made(mi, source, description):
+    """What a recording must change before it is made: it would be left out, and another be put in its place."""
+    for key, value in description.items() if isinstance(description, dict) else ():
+        if isinstance(value, (mi.Sensor, mi.Film, mi.Integrator)):
+            raise scene_failure("%s: %s is an object of Mitsuba already: give its dict in its place" % (source, key))
+        _refuse_made(mi, source, value)
 
 
 def _judge_losses(source, losses, found, allowed):

@@ -5,7 +5,7 @@ gives `mi.render`'s image to the last bits; film, lens and time are known exactl
 """
 import numpy as np
 
-from dumps.mitsuba.channels import has_instances, material_flags, no_diffuse_answer
+from dumps.mitsuba.channels import has_instances, material_flags, no_diffuse_answer, past_lamps
 
 # Of the albedo in spectral variants: sets of four wavelengths, evenly over what Mitsuba sees (360 .. 830 nm).
 WAVELENGTH_SETS = 8
@@ -30,10 +30,11 @@ class Wavefront:
         """{layer: [y][x][s][c] float32 (shape: uint32)} of `count` samples of every pixel; rows: (first, end)."""
         first_row, end_row = rows or (0, self.height)
         out = self._lanes(count, seed, layers, first_row, end_row)
-        arrays = {}
+        lanes, arrays = self.width * (end_row - first_row) * count, {}
         for name, value in out.items():
             array = np.array(value)
-            array = array.T if array.ndim == 2 else array[:, None]  # Dr.Jit gives [component][lane]
+            array = array.T if array.ndim == 2 else array[:, None]  # Dr.Jit gives [component][lane], and one lane where all are equal
+            array = np.repeat(array, lanes, axis=0) if len(array) < lanes else array
             arrays[name] = array.reshape(end_row - first_row, self.width, count, -1)
         if "albedo" in arrays:
             # BSDFs without an albedo of their own answer with an estimate that exceeds 1.
@@ -72,6 +73,7 @@ class Wavefront:
                  "time": moment}
         out.update((name, drawn[name]) for name in drawn if name in layers)
         if any(name in layers for name in ("albedo", "normal", "depth", "position", "shape")):
+            ray = past_lamps(dr, of.scene, ray) if of.hides_lamps else ray
             values = self.features.sample(of.scene, sampler, ray, medium)[2]
             position = mi.Point3f(values[6], values[7], values[8])
             shape, flags = self._shape(ray, mi.UInt32(values[9]))
