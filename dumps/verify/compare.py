@@ -18,9 +18,9 @@ sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
 import spool
 from dumps.recording.failure import guarded, scene_failure
-from dumps.verify.reference_agreement import LUMINANCE
+from dumps.verify.reference_agreement import LUMINANCE, luminance_variance
 
-BLOCK = 8                # pixels along a side; pixels that are clearly different are few and lie together
+BLOCK = 8                # pixels along a side, of a smaller picture its own; pixels that are clearly different are few and lie together
 
 
 def compare(first, second):
@@ -33,7 +33,7 @@ def compare(first, second):
             if "reference_variance" not in dump.layers:
                 raise scene_failure("%s: no reference with its variance: record one (--reference 4096)" % name)
         pictures = [dump.pixel("reference").astype(float) @ LUMINANCE for dump in (a, b)]
-        errors = [dump.pixel("reference_variance").astype(float) @ LUMINANCE ** 2 for dump in (a, b)]
+        errors = [luminance_variance(dump.pixel("reference_variance").astype(float)) for dump in (a, b)]
         samples = [np.nan_to_num(dump.read("radiance").astype(float)) @ LUMINANCE for dump in (a, b)]
         out = agreement(pictures, errors)
         noise = [float(s.var(axis=2, ddof=1).mean()) for s in samples]
@@ -53,20 +53,21 @@ def agreement(pictures, errors):
     variance = errors[0] + errors[1]
     ratio = two.sum() / one.sum()
     deviation = np.sqrt((errors[1].sum() / two.sum() ** 2) + errors[0].sum() / one.sum() ** 2) * ratio
-    blocks = [block_means(p) for p in (one, two, variance)]
-    sigma = np.sqrt(blocks[2]) / BLOCK                     # of a mean of BLOCK x BLOCK independent pixels
+    side = min(BLOCK, *one.shape)
+    blocks = [block_means(p, side) for p in (one, two, variance)]
+    sigma = np.sqrt(blocks[2]) / side                      # of a mean of independent pixels
     relative = np.abs(blocks[1] - blocks[0]) / np.maximum(blocks[0], 1e-9)
     return {"mean": [float(one.mean()), float(two.mean())], "energy_ratio": float(ratio),
-            "energy_ratio_error": float(deviation), "blocks": int(relative.size),
+            "energy_ratio_error": float(deviation), "blocks": int(relative.size), "block_side": side,
             "block_difference_median": float(np.median(relative)),
             "block_difference_90_percent": float(np.quantile(relative, 0.9)),
             "blocks_within_3_sigma_or_2_percent": float(
                 ((np.abs(blocks[1] - blocks[0]) < 3 * sigma) | (relative < 0.02)).mean())}
 
 
-def block_means(image):
-    height, width = (n // BLOCK * BLOCK for n in image.shape)
-    return image[:height, :width].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).mean(axis=(1, 3))
+def block_means(image, side):
+    height, width = (n // side * side for n in image.shape)
+    return image[:height, :width].reshape(height // side, side, width // side, side).mean(axis=(1, 3))
 
 
 def feature_difference(a, b, name):
@@ -87,7 +88,7 @@ def told(names, found):
         "energy of the references     second is %.4f of the first, +- %.4f" % (found["energy_ratio"],
                                                                               found["energy_ratio_error"]),
         "blocks of %dx%d pixels         differ by %.2f %% (median), %.2f %% (nine tenths); %.1f %% of %d within "
-        "3 standard errors or 2 %%" % (BLOCK, BLOCK, 100 * found["block_difference_median"],
+        "3 standard errors or 2 %%" % (found["block_side"], found["block_side"], 100 * found["block_difference_median"],
                                       100 * found["block_difference_90_percent"],
                                       100 * found["blocks_within_3_sigma_or_2_percent"], found["blocks"]),
     ] + ["%-28s means differ by %.4f of their spread" % (name, value) for name, value in found["features"].items()]

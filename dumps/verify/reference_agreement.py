@@ -5,6 +5,8 @@ would be spoiled by skewed samples, whose variance is underestimated exactly whe
 sums are unbiased. Weights 1 / (brightness^2 + 0.01) keep bright pixels from deciding alone. The brightness is the
 mean of pool and reference by their precision, the one mean whose error is uncorrelated with their difference.
 """
+from math import inf, log1p, sqrt
+
 import numpy as np
 
 from dumps.verify.finding import finding
@@ -37,16 +39,20 @@ def reference_findings(dump, radiance, level):
         return [finding("reference agrees", bool(np.abs(difference).max() < 1e-4), "largest difference %.3g" %
                         np.abs(difference).max(), "0")]
     ratio = measured.sum() / predicted.sum()
-    error = max(bootstrap_error(measured, predicted), 1e-9)
-    p = two_sided((ratio - 1) / error)
+    if len(measured) < 2:
+        error, p = inf, 1.0
+    else:
+        error = max(bootstrap_error(measured, predicted), 1e-9)
+        p = of_few((ratio - 1) / error, len(measured) - 1)
     if dump.sample_order != "exchangeable" and ratio < 1:
         found = [finding("reference error", None, "%.3f of the predicted one" % ratio, "any below 1", p,
                          "the prediction is for independent samples, a sequence may do better")]
     else:
         found = [finding("reference error", bool(p > level), "%.3f of the predicted one" % ratio, "1", p,
-                         visible_share(error, level, count, dump.meta) if p > level else
+                         visible_share(error, level, count, len(measured) - 1, dump.meta) if p > level else
                          "less: shared samples; more: another scene, filter or camera")]
-    z = float((difference @ LUMINANCE).sum() / np.sqrt((expected @ LUMINANCE ** 2).sum()))
+    grey = (samples @ LUMINANCE).var(axis=2, ddof=1) / count + luminance_variance(variance)
+    z = float((difference @ LUMINANCE).sum() / np.sqrt(grey.sum()))
     shared = dump.layers.get("film") is not None and dump.layers["film"].scope == "pass"
     p = two_sided(z)
     found.append(finding("reference energy", None if shared else bool(p > level), "%.2f standard errors" % z, "0", p,
@@ -54,12 +60,22 @@ def reference_findings(dump, radiance, level):
     return found
 
 
-def visible_share(error, level, count, meta):
+def luminance_variance(variance):
+    """The most that the variances of the channels allow. Light is often grey: its channels go up and down together."""
+    return (np.sqrt(variance) @ LUMINANCE) ** 2
+
+
+def of_few(t, freedom):
+    """Two-sided p-value of Student's t, by Wallace's normal approximation of 1959."""
+    return two_sided((8 * freedom + 1) / (8 * freedom + 3) * sqrt(freedom * log1p(t * t / freedom)))
+
+
+def visible_share(error, level, count, freedom, meta):
     """The smallest share of the pool's samples in the reference that this quotient would show (shared_numbers.py)."""
     samples = (meta.get("reference") or {}).get("samples")
     if not samples:
         return ""
-    deviations = next(z / 100 for z in range(100, 1000) if two_sided(z / 100) < level)
+    deviations = next((z / 100 for z in range(100, 10000) if freedom and of_few(z / 100, freedom) < level), inf)
     share = deviations * error * (samples + count) / (2 * samples)
     return "shared samples would show from %.2g of the reference on" % share if share < 1 else "too noisy to show shared samples"
 
@@ -71,7 +87,7 @@ def blocks(image):
 
 
 def bootstrap_error(measured, predicted):
-    """Standard error of the quotient of sums, from resampled blocks."""
+    """Standard error of the quotient of sums, from resampled blocks, at least two."""
     pick = np.random.default_rng(SEED).integers(0, len(measured), (RESAMPLES, len(measured)))
     below = predicted[pick].sum(axis=1)
-    return float((measured[pick].sum(axis=1)[below > 0] / below[below > 0]).std(ddof=1))
+    return float((measured[pick].sum(axis=1)[below > 0] / below[below > 0]).std(ddof=1)) * sqrt(len(measured) / (len(measured) - 1))

@@ -40,6 +40,18 @@ def test_a_brighter_scene_is_told(tmp_path):
     assert found["blocks_within_3_sigma_or_2_percent"] == 0
 
 
+def test_the_error_of_the_energy_is_that_of_grey_light(tmp_path):
+    """Its channels are off together: sqrt(2) * error / sqrt(pixels)."""
+    found = compare.compare(recording(tmp_path / "a"), recording(tmp_path / "b", seed=2))
+    assert found["energy_ratio_error"] == pytest.approx(2 ** 0.5 * 0.1 / 64 / 0.5 / SIZE, rel=0.05)
+
+
+def test_pictures_smaller_than_a_block_are_compared(tmp_path):
+    found = compare.compare(recording(tmp_path / "a", size=3), recording(tmp_path / "b", size=3, seed=2))
+    assert (found["blocks"], found["block_side"]) == (1, 3)
+    assert "blocks of 3x3 pixels" in "\n".join(compare.told(("a", "b"), found))
+
+
 @pytest.mark.parametrize("other, words", [({"size": 16}, "record both at one size"), ({"reference": False}, "no reference")])
 def test_what_cannot_be_compared_is_refused(tmp_path, other, words):
     with pytest.raises(Failure, match=words):
