@@ -43,14 +43,39 @@ def test_shards_by_parallel(plan, tmp_path):
     assert_same_results(tmp_path / "whole", tmp_path / "many", images=True)
 
 
+@needs("parallel")
+def test_names_with_spaces_by_parallel(plan, tmp_path):
+    (tmp_path / plan).rename(tmp_path / "the plan.toml")
+    finished = start(tmp_path, RECIPES / "parallel.sh", "the plan.toml", "the results", 2)
+    assert finished.returncode == 0, finished.stderr
+    assert_same_results(tmp_path / "whole", tmp_path / "the results", images=True)
+
+
+def by_snakemake(shards, folder="many"):
+    return [SNAKEMAKE, "--snakefile", RECIPES / "Snakefile", "--cores", 2, "--config", "plan=plan.toml", f"folder={folder}",
+            f"shards={shards}", f"spool={PROGRAM}"]
+
+
 @needs(SNAKEMAKE)
 def test_shards_by_snakemake(plan, tmp_path):
-    command = [SNAKEMAKE, "--snakefile", RECIPES / "Snakefile", "--cores", 2, "--config", f"plan={plan}", "folder=many",
-               "shards=3", f"spool={PROGRAM}"]
-    finished = start(tmp_path, *command)
+    finished = start(tmp_path, *by_snakemake(3, "many/"))
     assert finished.returncode == 0, finished.stderr
     assert_same_results(tmp_path / "whole", tmp_path / "many", images=True)
-    assert "Nothing to be done" in start(tmp_path, *command).stderr
+    assert "Nothing to be done" in start(tmp_path, *by_snakemake(3)).stderr
+
+
+@needs(SNAKEMAKE)
+def test_another_plan_and_another_number_of_shards_are_run_by_snakemake(plan, good, tmp_path):
+    assert start(tmp_path, *by_snakemake(3)).returncode == 0
+    (tmp_path / plan).write_text(PLAN.replace("replicates = 2", "replicates = 3"))
+    good("evaluate", plan, "-o", "whole", "--force")
+    finished = start(tmp_path, *by_snakemake(3))
+    assert finished.returncode == 0, finished.stderr
+    assert_same_results(tmp_path / "whole", tmp_path / "many", images=True)
+    shutil.rmtree(tmp_path / "many")
+    finished = start(tmp_path, *by_snakemake(2))
+    assert finished.returncode == 0, finished.stderr
+    assert_same_results(tmp_path / "whole", tmp_path / "many", images=True)
 
 
 SLURM = """

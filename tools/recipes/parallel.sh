@@ -10,6 +10,6 @@ plan="$1" folder="$2" shards="$3"
 shift 3
 program="${SPOOL:-spool}"
 seq 0 $((shards - 1)) |
-  parallel --retries 2 "$@" "$program" evaluate "$plan" --shard "{}/$shards" -o "$folder" --threads 1 -q || true
+  parallel --quote --retries 2 "$@" "$program" evaluate "$plan" --shard "{}/$shards" -o "$folder" --threads 1 -q || true
 # Tells what is missing or failed, and says so with its exit code.
 exec "$program" evaluate "$plan" --merge -o "$folder"
