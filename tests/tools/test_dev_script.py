@@ -1,6 +1,8 @@
 """tools/dev.sh: what its usage names is there, what it calls is defined, and what is fetched is pinned by hash."""
+import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -80,3 +82,12 @@ def test_an_archive_of_npm_is_the_one_that_was_pinned(tmp_path):
     npm.unlink()
     assert fetch(right).returncode == 0  # what is there is checked, and not fetched again
     assert "fetch_npm" in function_of("docs") and len(re.findall("npm pack", TEXT)) == 1
+
+
+@pytest.mark.parametrize("subject", sorted(path.parent.name for path in (TREE / "tools/bench").glob("*/run.py")))
+@pytest.mark.parametrize("more, code", [(["--help"], 0), (["--no-such-option"], 2)])
+def test_a_benchmark_that_is_asked_for_help_or_for_nonsense_measures_nothing(subject, more, code, tmp_path):
+    """The folder of the build is empty: what measured would fail otherwise."""
+    found = subprocess.run([sys.executable, "-m", f"tools.bench.{subject}.run", tmp_path, *more], cwd=TREE, capture_output=True, text=True,
+                           timeout=60, env={**os.environ, "PYTHONPATH": str(TREE / "formats/python")}, check=False)
+    assert found.returncode == code and "usage: run.py [-h]" in found.stdout + found.stderr, found.stderr

@@ -1,15 +1,19 @@
-"""Measures rounding errors and writes docs/results/accuracy/rounding.csv: tools/dev.sh bench accuracy [LOG2-OF-THE-LONGEST-SUM]."""
+"""Measures rounding errors and writes docs/results/accuracy/rounding.csv: tools/dev.sh bench accuracy [LOG2-OF-THE-LONGEST-SUM] [--print]."""
 import subprocess
-import sys
-from pathlib import Path
 
-TABLE = Path(__file__).resolve().parents[3] / "docs" / "results" / "accuracy" / "rounding.csv"
+from tools.bench.speed_page import ROOT, parser_of
+
+TABLE = ROOT / "docs" / "results" / "accuracy" / "rounding.csv"
 
 
 def main():
-    program = Path(sys.argv[1]) / "tools" / "bench" / "accuracy" / "bench_accuracy"
-    table = subprocess.run([program, *sys.argv[2:]], check=True, capture_output=True, text=True).stdout
-    TABLE.write_text(table, encoding="utf-8")
+    parser = parser_of(__doc__, TABLE.relative_to(ROOT))
+    parser.add_argument("longest", type=int, nargs="?", default=26, choices=range(1, 37), metavar="LOG2", help="log2 of the longest sum")
+    options = parser.parse_args()
+    program = options.build / "tools" / "bench" / "accuracy" / "bench_accuracy"
+    table = subprocess.run([program, str(options.longest)], check=True, capture_output=True, text=True).stdout
+    if not options.print:
+        TABLE.write_text(table, encoding="utf-8")
     print(table, end="")
 
 

@@ -4,6 +4,7 @@ Every scene is redrawn several times; each redrawn recording is evaluated by the
 are held against the mean of the others. What is done is not done again (build/coverage_results). docs/results/coverage
 keeps the scenes that were not asked for; docs/coverage.md is written from it.
 """
+import argparse
 import datetime
 import json
 import math
@@ -141,14 +142,26 @@ def measure(name, folder):
                      **selves}, now, before)
 
 
-def main():
-    for name in sys.argv[2:] or SCENES:
-        folder = Path(sys.argv[1]) / "coverage_results" / name.replace(", ", "_").replace(" ", "_")
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=Path)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=", ".join(f"'{name}'" for name in SCENES))
+    options = parser.parse_args()
+    unknown = [name for name in options.scenes if name not in SCENES]
+    if unknown:
+        parser.error(f"'{unknown[0]}' is none of its scenes: --help lists them")
+    return options
+
+
+def main(options):
+    for name in options.scenes or SCENES:
+        folder = options.build / "coverage_results" / name.replace(", ", "_").replace(" ", "_")
         folder.mkdir(parents=True, exist_ok=True)
         measure(name, folder)
         page.write(SCENES)
 
 
 if __name__ == "__main__":
-    PROGRAM = Path(sys.argv[1]).resolve() / "spool"
-    main()
+    OPTIONS = parse()
+    PROGRAM = OPTIONS.build.resolve() / "spool"
+    main(OPTIONS)

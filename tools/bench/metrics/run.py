@@ -1,4 +1,4 @@
-"""Writes the table of docs/metric_checks.md, `spool metrics` against other people's programs: tools/dev.sh bench metrics.
+"""Writes the table of docs/metric_checks.md, `spool metrics` against other people's programs: tools/dev.sh bench metrics [--print].
 
 Run by the Python that has the programs of others (tools/bench/peers).
 """
@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tools.bench.speed_page import ROOT, replace_section
+from tools.bench.speed_page import ROOT, parser_of, replace_section
 from tools.study.tables import as_csv, markdown
 
 TABLE = ROOT / "docs" / "results" / "metric_checks.csv"
@@ -100,7 +100,7 @@ def independent(image, reference):
     }
 
 
-def compare(program):
+def compare(program, keep):
     from importlib.metadata import version
 
     import flip_evaluator  # noqa: F401
@@ -120,19 +120,22 @@ def compare(program):
                 difference = abs(ours[metric] - float(theirs[metric]))
                 worst[metric] = max(worst.get(metric, 0.0), difference)
                 rows.append([name, metric, BY.get(metric, "numpy").replace("`", ""), f"{ours[metric]:.9g}", f"{theirs[metric]:.9g}", f"{difference:.1e}"])
-    TABLE.write_text(as_csv(["image", "metric", "independent", "spool", "other", "difference"], rows), encoding="utf-8")
     table = (f"With scikit-image {skimage.__version__}, flip-evaluator {version('flip-evaluator')}:\n\n" +
              markdown(["metric", "independent", "largest difference"], [[f"`{m}`", BY.get(m, "numpy"), f"{worst[m]:.1e}"] for m in METRICS]))
-    replace_section("metrics", table, ROOT / "docs" / "metric_checks.md")
+    if keep:
+        TABLE.write_text(as_csv(["image", "metric", "independent", "spool", "other", "difference"], rows), encoding="utf-8")
+        replace_section("metrics", table, ROOT / "docs" / "metric_checks.md")
     print(table)
     return 0 if max(worst["flip_ldr"], worst["flip_hdr"]) < 1e-4 else 1
 
 
 def main():
-    if sys.argv[1] == "--compare":
-        sys.exit(compare(Path(sys.argv[2])))
+    if sys.argv[1:2] == ["--compare"]:
+        sys.exit(compare(Path(sys.argv[2]), "--print" not in sys.argv))
+    options = parser_of(__doc__, "docs/metric_checks.md").parse_args()
     from tools.bench.peers.run import peers_python  # draws with matplotlib, which that Python lacks
-    sys.exit(subprocess.run([peers_python(), "-m", "tools.bench.metrics.run", "--compare", Path(sys.argv[1]).resolve() / "spool"]).returncode)
+    sys.exit(subprocess.run([peers_python(), "-m", "tools.bench.metrics.run", "--compare", options.build.resolve() / "spool",
+                             *["--print"] * options.print]).returncode)
 
 
 if __name__ == "__main__":
