@@ -4,20 +4,27 @@ import numpy as np
 
 from dumps.verify.finding import finding
 
+PLACES = ("depth", "position", "shape", "object")      # 0 where nothing is hit
+HITS = ("albedo", "normal", *PLACES)
+
 
 def feature_findings(dump):
-    found, features = [], []
+    found, features, hit = [], [], {}
     for name, layer in dump.layers.items():
         if name in ("radiance", "film", "reference", "reference_variance") or layer.scope != "sample":
             continue
         values = dump.read(name, first=0, count=min(4, dump.spp)).astype(np.float64)
         finite = np.isfinite(values).mean()
-        if name in ("albedo", "normal", "depth", "position", "shape", "object"):
+        if name in HITS:
+            hit[name] = bool(values.any())
             features.append(float((values != values[:, :, :1]).any(axis=(2, 3)).mean()))
         spread = float(np.nanmax(values) - np.nanmin(values)) if finite else 0.0
         found.append(finding("layer %s" % name, bool(finite == 1.0 and spread > 0),
                              "%.4g %% finite, range %.4g" % (100 * finite, spread), "finite and not constant",
                              note="" if spread else "empty: the renderer wrote nothing into this pass"))
+    if any(name in PLACES for name in hit) and not any(hit.values()):
+        return [entry for entry in found if entry["name"].partition("layer ")[2] not in HITS] + [
+            finding("features", None, "0 everywhere", "surfaces", note="the camera hits nothing, or the renderer wrote nothing")]
     if features and dump.spp > 1:
         found.append(finding("features vary", max(features) > 0, "in %.3g of the pixels" % max(features),
                              "in some", note="" if max(features) > 0 else "every sample hits the same place"))

@@ -108,6 +108,15 @@ def test_a_reference_of_another_scene_is_found(tmp_path):
     assert {"reference error", "reference energy"} <= names
 
 
+@pytest.mark.parametrize("albedo, fails", [(0, set()), (0.5, {"layer depth", "layer albedo", "features vary"})])
+def test_a_picture_of_the_sky_alone_has_no_features_and_fails_no_claim(tmp_path, albedo, fails):
+    layers = {"radiance": pool(), "albedo": np.full((SIZE, SIZE, SPP, 3), albedo, "f4"), "depth": np.zeros((SIZE, SIZE, SPP, 1), "f4")}
+    with spool.Writer(tmp_path / "sky.spool", SIZE, SIZE, SPP, {"radiance": ("f4", "RGB"), "albedo": ("f4", "RGB"), "depth": ("f4", "Z")},
+                      sample_order="exchangeable") as writer:
+        writer.write_passes(0, layers)
+    assert failed(tmp_path / "sky.spool") == fails
+
+
 def test_empty_layers_and_repeated_passes_are_found(tmp_path):
     albedo = np.zeros((SIZE, SIZE, SPP, 3), "f4")
     assert "layer albedo" in failed(dump(tmp_path / "empty.spool", pool(), albedo=albedo))
