@@ -26,7 +26,8 @@ std::filesystem::path module_near(const std::filesystem::path& binary) {
 }
 
 Result<std::filesystem::path> find_module() {
-  if (const char* named = std::getenv("SPOOL_PNG_MODULE")) return std::filesystem::path(named);
+  const char* named = std::getenv("SPOOL_PNG_MODULE");
+  if (named && *named) return std::filesystem::path(named);
   std::error_code status;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", status);
   std::filesystem::path found = module_near(program);

@@ -1,5 +1,6 @@
 """`spool picture`: any EXR as a PNG, tone-mapped or in false colour."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -60,6 +61,12 @@ def test_false_colour_of_a_channel_has_a_bar_and_grows_lighter(good, image, tmp_
     good("picture", tmp_path / "a.exr", "--false-colour", "--channel", "G", "-o", tmp_path / "g.png")
     good("picture", tmp_path / "a.exr", "--false-colour", "-o", tmp_path / "y.png")
     assert (pixels(tmp_path / "g.png").shape == pixels(tmp_path / "y.png").shape)
+
+
+def test_an_empty_variable_names_no_module(run, image, tmp_path):
+    done = run("picture", tmp_path / "a.exr", "-o", tmp_path / "a.png", env={**os.environ, "SPOOL_PNG_MODULE": ""})
+    assert done.code == 0, done.err
+    run("picture", tmp_path / "a.exr", "-o", tmp_path / "b.png", env={**os.environ, "SPOOL_PNG_MODULE": "nosuch"}).failed_with(3, "nosuch")
 
 
 def test_what_is_wrong_is_named(run, image, tmp_path):

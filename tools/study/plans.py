@@ -14,8 +14,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PLANS = ROOT / "tools/plans"
 NAMED = tomllib.loads((Path(__file__).parent / "recordings.toml").read_text(encoding="utf-8"))
 FULL = NAMED["full"]
-CACHE = Path(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))) / "spool"
-RECORDINGS = Path(os.environ.get("SPOOL_RECORDINGS", CACHE / "recordings"))
+CACHE = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "spool"
+RECORDINGS = Path(os.environ.get("SPOOL_RECORDINGS") or CACHE / "recordings")
 
 
 def read(path):

@@ -164,7 +164,7 @@ def command_line(settings, blend, more):
 def pack_command(context, folder, file):
     """None where the program spool is not found."""
     addon = context.preferences.addons.get(__package__)
-    program = find_program(bpy.path.abspath(addon.preferences.spool) if addon else os.environ.get("SPOOL", "spool"))
+    program = find_program(bpy.path.abspath(addon.preferences.spool) if addon else os.environ.get("SPOOL") or "spool")
     return [program, "pack", folder, "-o", file, "--compress", "--max-expansion", "1000000"] if program else None
 
 

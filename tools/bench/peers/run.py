@@ -18,8 +18,8 @@ OIDN = "Open Image Denoise, albedo and normal"
 
 
 def peers_python():
-    cache = Path(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))) / "spool"
-    return os.environ.get("SPOOL_PEERS_PYTHON", cache / "peers-venv" / "bin" / "python")
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "spool"
+    return os.environ.get("SPOOL_PEERS_PYTHON") or cache / "peers-venv" / "bin" / "python"
 
 
 def measure(build, arguments):

@@ -31,7 +31,7 @@ def commands(options, channels, folder):
         return ([blender, *BLENDER, os.path.join(HERE, "plain_cycles.py"), "--", *common],
                 ["sh", os.path.join(DUMPS, "record.sh"), options.scene, "--size", str(options.size), "--samples", str(options.samples),
                  "--channels", channels, "--compress", "-o", folder + ".spool"])
-    python = os.environ.get("SPOOL_MITSUBA_PYTHON", os.path.expanduser("~/.cache/spool/mitsuba-venv/bin/python"))
+    python = os.environ.get("SPOOL_MITSUBA_PYTHON") or os.path.expanduser("~/.cache/spool/mitsuba-venv/bin/python")
     return ([python, os.path.join(HERE, "plain_mitsuba.py"), *common],
             [python, os.path.join(DUMPS, "mitsuba", "record.py"), options.scene, "--size", str(options.size), "--samples",
              str(options.samples), "--channels", channels, "-o", folder + ".spool"])
