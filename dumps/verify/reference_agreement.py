@@ -5,12 +5,12 @@ would be spoiled by skewed samples, whose variance is underestimated exactly whe
 sums are unbiased. Weights 1 / (brightness^2 + 0.01) keep bright pixels from deciding alone. The brightness is the
 mean of pool and reference by their precision, the one mean whose error is uncorrelated with their difference.
 """
-from math import inf, log1p, sqrt
+from math import inf, sqrt
 
 import numpy as np
 
 from dumps.verify.finding import finding
-from dumps.verify.independence import two_sided
+from dumps.verify.independence import of_few, two_sided
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 BLOCK, RESAMPLES, SEED = 8, 400, 1987
@@ -63,11 +63,6 @@ def reference_findings(dump, radiance, level):
 def luminance_variance(variance):
     """The most that the variances of the channels allow. Light is often grey: its channels go up and down together."""
     return (np.sqrt(variance) @ LUMINANCE) ** 2
-
-
-def of_few(t, freedom):
-    """Two-sided p-value of Student's t, by Wallace's normal approximation of 1959."""
-    return two_sided((8 * freedom + 1) / (8 * freedom + 3) * sqrt(freedom * log1p(t * t / freedom)))
 
 
 def visible_share(error, level, count, freedom, meta):

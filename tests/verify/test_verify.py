@@ -7,6 +7,7 @@ import pytest
 from dumps.recording import progress
 import spool
 from dumps.recording.failure import Failure
+from dumps.verify.independence import neighbour_finding, of_few
 from dumps.verify.verify import keep_verification, verify
 
 SIZE, SPP, REFERENCE = 24, 64, 4096
@@ -115,6 +116,18 @@ def test_a_picture_of_the_sky_alone_has_no_features_and_fails_no_claim(tmp_path,
                       sample_order="exchangeable") as writer:
         writer.write_passes(0, layers)
     assert failed(tmp_path / "sky.spool") == fails
+
+
+def test_independent_neighbours_raise_no_alarm_where_samples_are_few():
+    """The spread over few samples is known badly: by a normal distribution 21 of 400 fail."""
+    rng = np.random.default_rng(6)
+    found = [neighbour_finding(rng.exponential(1, (16, 16, 8, 1)) * np.ones(3), False, 0.01) for _ in range(400)]
+    assert sum(entry["holds"] is False for entry in found) <= 10
+
+
+@pytest.mark.parametrize("t, freedom, p", [(2.365, 7, 0.05), (3.499, 7, 0.01), (5.408, 7, 0.001), (2.947, 15, 0.01), (3.291, 10 ** 6, 0.001)])
+def test_students_t(t, freedom, p):
+    assert of_few(t, freedom) == pytest.approx(p, rel=0.06) and of_few(-t, freedom) == of_few(t, freedom)
 
 
 def test_empty_layers_and_repeated_passes_are_found(tmp_path):
