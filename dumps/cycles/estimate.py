@@ -5,6 +5,7 @@ import bpy
 
 from dumps.cycles.batches import batch_plan
 from dumps.cycles.passes import channel_names, describe_channels
+from dumps.cycles.reference import BATCHES
 from dumps.cycles.scene import find_needs
 from dumps.recording.progress import duration, size
 from dumps.recording.reference_need import reference_hint
@@ -19,7 +20,8 @@ def dry_run(recorder, options):
     planes = len(channel_names(recorder.plan))
     needs = ", ".join("%s: %s" % (k.replace("_", " "), "yes" if v else "no")
                       for k, v in find_needs(recorder.scene).items())
-    folder_bytes = 4 * pixels * (planes * options.samples + 3 * recorder.batches)
+    kept = min(recorder.batches, BATCHES) if options.auto else recorder.batches
+    folder_bytes = 4 * pixels * (planes * options.samples + 3 * kept)
     stored = sum(2 if c["dtype"] == "f16" else 4 for c in describe_channels(recorder.plan))
     dump_bytes = pixels * (stored * options.samples + (24 if recorder.batches else 0))
     rest = per_pass * options.samples + per_batch * recorder.batches

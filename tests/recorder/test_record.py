@@ -165,6 +165,11 @@ def test_a_dry_run_tells_needs_and_price_and_writes_nothing(tmp_path):
     assert list(tmp_path.rglob("*.f32")) == []
 
 
+def test_a_dry_run_counts_the_batches_that_a_reference_without_a_length_keeps(tmp_path):
+    done = record("--scene", "chess", "--size", "16", "--samples", "4", "--reference", "auto", "--channels", "radiance", "--dry-run")
+    assert "folder 406 kB" in done.stdout, done.stdout + done.stderr      # 4 * 256 * 3 * (4 + 128) bytes
+
+
 def test_a_dry_run_offers_a_smaller_reference_that_splits_into_batches(tmp_path):
     """A quarter of 257 batches of 128 samples is 64 of them and 32 samples more."""
     told = record("--scene", "chess", "--size", "16", "--samples", "1", "--reference", "32896", "--dry-run").stdout
