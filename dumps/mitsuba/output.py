@@ -7,7 +7,7 @@ import numpy as np
 
 import spool
 from dumps.mitsuba.channels import LAYERS, MEANINGS
-from dumps.mitsuba.reference import told_of, variance_of_mean
+from dumps.mitsuba.reference import pixels_of, told_of
 from dumps.mitsuba.seeds import chunk_seed
 from dumps.recording.failure import usage_failure
 from dumps.recording.progress import Progress
@@ -104,8 +104,8 @@ def write_file(path, options, parts, number, meta, reference):
             progress.step()
         progress.close()
         if reference is not None:
-            writer.write_pixel("reference", reference["mean"].astype("<f4"))
-            writer.write_pixel("reference_variance", variance_of_mean(reference).astype("<f4"))
+            for name, values in zip(("reference", "reference_variance"), pixels_of(reference)):
+                writer.write_pixel(name, values)
     return "--half: %s: the radiance is kept in 32 bits" % ranges[0] if ranges[0] else None
 
 

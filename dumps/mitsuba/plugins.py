@@ -32,10 +32,22 @@ def refuse_unknown(mi, source, state):
     # In a dict the plugin says what kind of object it is, so there an unknown one is of no kind.
     words = {kinds.Unknown: "plugin"}
     unknown = sorted({(words.get(node.type, node.type.name.lower()), node.props.plugin_name()) for node in state.nodes if node.type not in replaced
-                      and manager.plugin_type(node.props.plugin_name()) == kinds.Unknown})
+                      and manager.plugin_type(node.props.plugin_name()) == kinds.Unknown and not _is_own(mi, node)})
     if unknown:
         raise scene_failure("%s: Mitsuba 3 has no %s: choose what stands for it, --substitute %s=PLUGIN" % (
             source, ", no ".join("%s %s" % pair for pair in unknown), unknown[0][1]))
+
+
+def _is_own(mi, node):
+    """Whether the script of the scene has registered the plugin. Some variants lose of which kind it is: kinds that are forced are set."""
+    try:
+        made = mi.PluginManager.instance().create_object(mi.Properties(node.props.plugin_name()))
+    except Exception as error:  # of a plugin that needs properties, too
+        return not str(error).endswith("not found!")
+    for kind in ("Integrator", "Sensor", "Film", "Sampler", "Medium"):
+        if isinstance(made, getattr(mi, kind)):
+            node.type = getattr(mi.ObjectType, kind)
+    return True
 
 
 def refuse_without_camera(mi, source, state):

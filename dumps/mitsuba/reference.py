@@ -75,6 +75,12 @@ def variance_of_mean(state):
     return state["m2"] / (count - 1) / count
 
 
+def pixels_of(state):
+    """(mean, variance of the mean) as the file has them: a pixel without a finite sample is not black, it has no reference."""
+    there = state["count"] > 0
+    return tuple(np.where(there, value, np.nan).astype("<f4") for value in (state["mean"], variance_of_mean(state)))
+
+
 def told_of(state):
     """What metadata keep: samples of a pixel, and how they were cut, so that the reference can go on."""
     count = state["count"]

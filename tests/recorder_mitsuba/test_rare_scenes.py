@@ -5,6 +5,7 @@ import pytest
 pytest.importorskip("mitsuba", reason="MITSUBA IS NOT INSTALLED: its recorder is NOT tested")
 
 import spool
+from dumps.mitsuba.reference import add_chunk, empty_reference, pixels_of
 from conftest import check_ok, record
 
 VARIANTS = pytest.mark.parametrize("variant", ["llvm_ad_rgb", "scalar_rgb"])
@@ -51,6 +52,15 @@ def test_a_ray_that_is_the_same_in_every_sample(recorded, tmp_path, sensor):
         assert len(np.unique(dump.read("film")[..., 0])) == 4
 
 
+def test_a_pixel_without_a_finite_sample_has_no_reference():
+    samples = np.random.default_rng(1).random((2, 3, 8, 3)).astype("f4")
+    samples[0, 1], samples[1, 2, :7, 1] = np.nan, np.inf
+    mean, variance = pixels_of(add_chunk(empty_reference(2, 3), samples, 1.0))
+    assert np.isnan(mean[0, 1]).all() and np.isnan(variance[0, 1]).all()
+    assert np.isfinite(mean).all(axis=2).sum() == np.isfinite(variance).all(axis=2).sum() == 5
+    assert mean[1, 2] == pytest.approx(samples[1, 2, 7])
+
+
 @VARIANTS
 def test_a_light_meter_on_a_shape_before_the_camera_is_not_recorded(recorded, tmp_path, variant):
     lamp = '"lamp": {**lamp%s}, '
@@ -62,6 +72,49 @@ def test_a_light_meter_on_a_shape_before_the_camera_is_not_recorded(recorded, tm
     with spool.open(tmp_path / "out.spool") as dump:
         assert (dump.read("radiance") == plain).all() and "lens" not in dump.layers and "changes" in dump.meta["scene"]
         assert dump.meta["scene"]["changes"] == []
+
+
+OWN = """
+def scene(mi):
+    class Stripes(mi.Texture):
+        def __init__(self, props):
+            mi.Texture.__init__(self, props)
+            self.level = props["level"]
+
+        def eval(self, si, active=True):
+            return mi.Color3f(self.level)
+
+        def mean(self):
+            return mi.Float(self.level)
+
+    class Flat(mi.SamplingIntegrator):
+        def sample(self, scene, sampler, ray, medium=None, active=True):
+            return mi.Color3f(0.25), True, []
+
+        def class_name(self):
+            return "Flat"
+
+        def to_string(self):
+            return "Flat"
+
+    mi.register_texture("stripes", Stripes)
+    mi.register_integrator("flat", Flat)
+    film = {"type": "hdrfilm", "width": 6, "height": 4}
+    parts = {"type": "scene", "sensor": {"type": "perspective", "film": film}, "sky": {"type": "constant"}, "wall": {"type": "sphere",
+             "radius": 9, "material": {"type": "twosided", "one": {"type": "diffuse", "reflectance": {"type": "stripes", "level": 0.75}}}}}
+    return {**parts, "integrator": {"type": "%s"}}
+"""
+
+
+@VARIANTS
+@pytest.mark.parametrize("integrator", ["path", "flat"])
+def test_plugins_that_the_script_registers_are_used(tmp_path, variant, integrator):
+    (tmp_path / "own.py").write_text(OWN % integrator)
+    done = check_ok(record(tmp_path / "own.py", "-o", tmp_path / "own.spool", "--no-verify", "--samples", 4, "--variant", variant))
+    assert "integrator" not in done.stderr
+    with spool.open(tmp_path / "own.spool") as dump:
+        assert (dump.read("albedo") == 0.75).all()
+        assert (dump.read("radiance") == (0.25 if integrator == "flat" else 0)).all()
 
 
 @VARIANTS
