@@ -1,4 +1,4 @@
-"""What a function of one's own does is known by its name in every process, and so is what else it reaches in its file."""
+"""What a function of one's own does is known by its name in every process, and so is what else it reaches."""
 import os
 import subprocess
 import sys
@@ -35,6 +35,63 @@ REACHED = {
     "circle": ("class Node:\n    def __init__(self, i): self.i, self.around = i, set()\n    def __repr__(self): return f'{self.i}'\n"
                "nodes = [Node(i * FACTOR) for i in range(40)]\nfor n in nodes: n.around.update(nodes)", "s.mean * len(nodes)"),
 }
+
+
+# Modules beside it, what stands before the filter, and what the filter answers.
+ELSEWHERE = {
+    "function": ({"near": "def f(m): return m * FACTOR"}, "from near import f", "f(s.mean)"),
+    "class": ({"near": "class Scale:\n    def f(self, m): return m * FACTOR"}, "from near import Scale", "Scale().f(s.mean)"),
+    "object": ({"near": "class Scale:\n    def f(self, m): return m * FACTOR\nscale = Scale()"}, "from near import scale", "scale.f(s.mean)"),
+    "module": ({"near": "def f(m): return m * FACTOR"}, "import near as n", "n.f(s.mean)"),
+    "value of a module": ({"near": ""}, "import near", "s.mean * near.FACTOR"),
+    "module of a module": ({"near": "import far", "far": "def f(m): return m * FACTOR"}, "import near", "near.far.f(s.mean)"),
+    "module behind it": ({"near": "import far\ndef f(m): return far.f(m)", "far": "def f(m): return m * FACTOR"}, "import near", "near.f(s.mean)"),
+    "package": ({"near/__init__": "from .far import f", "near/far": "def f(m): return m * FACTOR"}, "import near", "near.f(s.mean)"),
+    "held beside a lock": ({"near": "import threading\nclass Scale:\n    def __init__(self): self.lock, self.a = threading.Lock(), FACTOR\nscale = Scale()"},
+                           "from near import scale", "s.mean * scale.a"),
+}
+
+
+def key_of_program(folder, factor, modules, beside, answer):
+    """Of a filter in a program whose modules stand beside it, in a process of its own."""
+    folder.mkdir()
+    for name, text in modules.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / f"{name}.py").write_text(f"FACTOR = {factor}\n{text}\n")
+    (folder / "main.py").write_text(f"import spool\n{beside}\n@spool.filter\ndef filtered(s): return {answer}\nprint(filtered.key)\n")
+    done = subprocess.run([sys.executable, folder / "main.py"], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("name", ELSEWHERE)
+def test_what_a_function_reaches_in_other_files_counts_too(name, tmp_path):
+    first, again, other = (key_of_program(tmp_path / f"{i}", factor, *ELSEWHERE[name]) for i, factor in enumerate((2, 2, 3)))
+    assert first == again and first != other
+
+
+def test_what_a_package_has_counts_by_name(tmp_path):
+    def key(factor):
+        package = tmp_path / f"{factor}" / "site-packages"
+        package.mkdir(parents=True)
+        (package / "near.py").write_text(f"def f(m): return m * {factor}")
+        return key_of_program(tmp_path / f"{factor}" / "mine", factor, {},
+                              f"import sys; sys.path.append({str(package)!r}); import near; from near import f",
+                              "near.f(f(s.mean))").strip()
+    assert key(2) == key(3)
+
+
+def test_a_file_that_changes_while_its_old_code_runs_gives_it_no_other_ones_key(tmp_path):
+    (tmp_path / "mine.py").write_text("import spool\n@spool.filter\ndef mine(s): return s.mean * 2\n")
+    shown = ("import pathlib, mine\nfile = pathlib.Path(mine.__file__)\n"
+             "for text in (file.read_text().replace('2', '3'), 'x = (\\n' * 3): file.write_text(text); print(mine.mine.key)")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*sys.path, str(tmp_path)]), "PYTHONDONTWRITEBYTECODE": "1"}
+    old = subprocess.run([sys.executable, "-c", shown], capture_output=True, text=True, timeout=60, env=environment)
+    assert old.returncode == 0, old.stderr
+    (tmp_path / "mine.py").write_text("import spool\n@spool.filter\ndef mine(s): return s.mean * 3\n")
+    new = subprocess.run([sys.executable, "-c", "import mine; print(mine.mine.key)"], capture_output=True, text=True, timeout=60, env=environment)
+    assert new.stdout.strip() not in old.stdout.split() and len(old.stdout.split()) == 2
 
 
 def keys(folder, factor, seed):

@@ -1,6 +1,7 @@
 """What decides what a Python function does, as a short hash: results of a function are kept by it."""
 from __future__ import annotations
 
+import copyreg
 import functools
 import hashlib
 import inspect
@@ -8,17 +9,23 @@ import operator
 import os
 import pickle
 import sys
+import sysconfig
+import threading
+import tokenize
 import types
 
+_PROTOCOL = 4
 _HERE = os.urandom(8)  # of this process: an object that has no lasting description is itself only here
 _PLAIN = frozenset({type(None), bool, int, float, complex, str, bytes, list, tuple, dict})  # as pickle has them
+_PYTHON = sysconfig.get_path("stdlib") + os.sep
+_LOCKS = (type(threading.Lock()), type(threading.RLock()))  # which are alike
 _AROUND = (staticmethod, classmethod, property, functools.cached_property, type(functools.lru_cache(len)))  # functions
 _INSIDE = ("__func__", "fget", "fset", "fdel", "func", "__wrapped__")  # where each of these has them
 
 
 def hash_of(function: types.FunctionType | types.MethodType, settings: object = ()) -> str:
-    """Eight hex digits of its text, its defaults and the values that it takes from around it, of `settings`, and of functions
-    and classes of the same file that it reaches in any of these. Those of other files count by name; files that it reads
+    """Eight hex digits of its text and code, its defaults and the values that it takes from around it, of `settings`, and of
+    functions and classes that it reaches in any of these. Those of installed packages count by name; files that it reads
     are not looked at."""
     digest = hashlib.sha256()
     _add(settings, digest, {}, None)
@@ -63,14 +70,21 @@ def _is_known(value, digest, known):
 
 
 def _taken(function):
-    """(name, value) of enclosing functions and of the module, by name."""
+    """(name, value) of enclosing functions, of the module, and of modules of one's own that these hold, by name."""
     cells = zip(function.__code__.co_freevars, function.__closure__ or ())
-    found = {name: function.__globals__[name] for name in _names_in(function.__code__) if name in function.__globals__}
+    names = _names_in(function.__code__)
+    found = {name: function.__globals__[name] for name in names if name in function.__globals__}
     for name, cell in cells:
         try:
             found[name] = cell.cell_contents
         except ValueError:  # not bound yet
             continue
+    modules = list(found.values())
+    for module in modules:
+        if isinstance(module, types.ModuleType) and not _is_installed(module.__name__):
+            inside = {f"{module.__name__}.{name}": vars(module)[name] for name in names if name in vars(module)}
+            modules += [value for name, value in inside.items() if name not in found]
+            found |= inside
     return sorted(found.items())
 
 
@@ -96,18 +110,26 @@ def _add(value, digest, known, module):
 
 
 def _is_of(value, module):
-    """Of this module, or not to be found by its name in its own."""
+    """Of this module or another that is no package's, or not to be found by its name in its own."""
     try:
-        return value.__module__ == module or operator.attrgetter(value.__qualname__)(sys.modules[value.__module__]) is not value
+        return (value.__module__ == module or not _is_installed(value.__module__)
+                or operator.attrgetter(value.__qualname__)(sys.modules[value.__module__]) is not value)
     except (AttributeError, KeyError):
         return True
+
+
+def _is_installed(module):
+    """Of Python, of a package of an installer, or of this one."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    return (file is None or module.partition(".")[0] == __package__ or file.startswith(_PYTHON)
+            or not {"site-packages", "dist-packages"}.isdisjoint(file.split(os.sep)))
 
 
 class _Description(pickle.Pickler):
     """A value as pickle has it, but for what pickle names only or writes in an order of this process."""
 
     def __init__(self, digest, known, module):
-        super().__init__(types.SimpleNamespace(write=digest.update), protocol=4)
+        super().__init__(types.SimpleNamespace(write=digest.update), _PROTOCOL)
         self._known, self._module = known, module
 
     def persistent_id(self, value):
@@ -123,6 +145,15 @@ class _Description(pickle.Pickler):
             return part.digest()
         return None
 
+    def reducer_override(self, value):
+        """What pickle refuses is itself only here, and what holds it still counts by all else that it holds."""
+        if isinstance(value, (type, types.FunctionType)) or type(value) in copyreg.dispatch_table:
+            return NotImplemented
+        try:
+            return value.__reduce_ex__(_PROTOCOL)
+        except Exception:  # noqa: BLE001 - whatever it raises
+            return str, (type(value).__qualname__, b"" if isinstance(value, _LOCKS) else _HERE + b"%d" % id(value))
+
 
 def _order(member):
     """By which members of a set are sorted: their hashes are others in each process."""
@@ -132,11 +163,9 @@ def _order(member):
 def _text_of(function):
     try:
         text = inspect.getsource(function)
-    except (OSError, TypeError):  # typed at a prompt
+    except (OSError, TypeError, SyntaxError, tokenize.TokenError):  # typed at a prompt, or another file by now
         text = ""
-    if text and function.__name__ != "<lambda>":  # several of which may stand in one line
-        return text
-    return text + _code_text(function.__code__)
+    return text + _code_text(function.__code__)  # which the file may no longer have
 
 
 def _code_text(code):
