@@ -273,10 +273,42 @@ def test_a_view_of_any_size_is_refused_before_it_is_copied(dump):
     assert caught.value.code == spool.IO
 
 
+@pytest.mark.parametrize("kind", ["u1", "u2", "i8"])
+def test_the_bytes_of_a_picture_are_no_light(kind, dump, tmp_path):
+    samples, image = np.ones((4, 5, 2, 3), "f4"), np.ones((4, 5, 3))
+    picture, of_samples = image.astype(kind), samples.astype(kind)
+    for call in (lambda: spool.metrics(picture, image), lambda: spool.metrics(image, picture), lambda: spool.metrics(image, image, variance=picture),
+                 lambda: spool.recording(of_samples), lambda: spool.replay(of_samples, "uniform", 1), lambda: spool.show(picture),
+                 *(lambda of=of: spool.recording(samples, **of) for of in ({"reference": picture}, {"albedo": of_samples}, {"depth": of_samples[..., 0]})),
+                 *(lambda of=of: spool.write(tmp_path / "a.spool", samples, **of) for of in ({"reference": picture}, {"albedo": of_samples}))):
+        with pytest.raises(spool.SpoolError, match=f"holds {np.dtype(kind)}, not floats: decode it"):
+            call()
+    with pytest.raises(spool.SpoolError, match=f"an image .* of floats, not {np.dtype(kind)}"):
+        spool.reconstruct(dump, None, spool.filter(lambda s: s.mean.astype(kind)))
+    assert not (tmp_path / "a.spool").exists()
+    spool.write(tmp_path / "a.spool", samples, hit=of_samples[..., 0].astype("u1"), path=of_samples[..., 0].astype("u4"))
+
+
+class Tensor:
+    """As those of torch, whose numpy() raises what it likes."""
+
+    def __array__(self, *of, **how):
+        raise RuntimeError("Can't call numpy() on Tensor that requires grad. Use tensor.detach().numpy() instead.")
+
+
+@pytest.mark.parametrize("call", [lambda of, to: spool.metrics(of, np.ones((4, 5, 3))), lambda of, to: spool.recording(of), lambda of, to: spool.show(of),
+                                  lambda of, to: spool.replay(of, "uniform", 1), lambda of, to: spool.write(to / "a.spool", of)])
+def test_what_does_not_become_an_array_says_so_itself(call, tmp_path):
+    with pytest.raises(spool.SpoolError, match="is no array: .*requires grad. Use tensor.detach"):
+        call(Tensor(), tmp_path)
+
+
 def test_an_array_that_looks_like_sample_y_x_is_pointed_out():
     images = np.random.default_rng(1).random((8, 12, 16, 3), np.float32)  # 8 images of 16 x 12 pixels
     with pytest.warns(UserWarning, match="12 x 8 pixels of 16 samples.*moveaxis"):
         spool.recording(images)
+    with pytest.warns(UserWarning, match="16 x 8 pixels of 12 samples.*moveaxis"):  # in portrait
+        spool.recording(np.swapaxes(images, 1, 2))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         spool.recording(np.moveaxis(images, 0, 2))

@@ -80,19 +80,25 @@ def choice(name: str, value, allowed) -> str:
 
 
 def array(name: str, value, kinds: str = "fiu") -> np.ndarray:
-    """An array of ordinary numbers."""
+    """An array of ordinary numbers; of light and the like ("f"), whole ones are a picture's bytes."""
     unmasked(name, value)
     if isinstance(value, (str, bytes)):
         raise wrong(name, value, "no array")
-    try:
-        made = np.asarray(value)
-    except (ValueError, TypeError) as reason:
-        raise SpoolError("usage", f"{name}: is no array: {reason}") from reason
+    made = plain(name, value)
     if made.dtype.kind == "O":
         raise SpoolError("usage", f"{name}: is {type(value).__name__}, no array of numbers")
     if made.dtype.kind not in kinds:
-        raise SpoolError("usage", f"{name}: holds {_short(made.dtype)}, not numbers")
+        instead = "floats: decode it, v / 255 or as it was encoded, and linearise what is sRGB" if kinds == "f" else "numbers"
+        raise SpoolError("usage", f"{name}: holds {_short(made.dtype)}, not {instead}")
     return made
+
+
+def plain(name: str, value) -> np.ndarray:
+    """What numpy makes of it; a tensor on another device, or with a gradient, has words of its own against that."""
+    try:
+        return np.asarray(value)
+    except Exception as reason:  # noqa: BLE001 - whatever its __array__ raises
+        raise SpoolError("usage", f"{name}: is no array: {reason}") from reason
 
 
 def unmasked(name: str, value) -> None:
@@ -111,7 +117,7 @@ def image_size(name: str, shape) -> None:
 def note_axes(name: str, arrays: Mapping) -> None:
     """More samples than rows and columns is rare; an array [sample][y][x] is read like that without an error."""
     height, width, spp = arrays["radiance"].shape[:3]
-    if spp > height and spp >= width and "reference" not in arrays:  # which has the image's own shape
+    if spp > height and 2 * spp >= width and "reference" not in arrays:  # which has the image's own shape
         warnings.warn(f"{name}: read as {width} x {height} pixels of {spp} samples, [y][x][sample][channel]; of [sample][y][x][channel] "
                       "give numpy.moveaxis(array, 0, 2)", stacklevel=3)
 
@@ -138,10 +144,7 @@ def convert(array, dtype, what):
     """Arrays of the caller as those of a layer, without a value that silently becomes another: equal dtypes pass bit for bit; wider floats are
     rounded, and a finite value that would become infinite is refused; integers and booleans pass into u32 where they fit."""
     unmasked(what, array)
-    try:
-        array = np.asarray(array)
-    except (ValueError, TypeError) as reason:
-        raise SpoolError("usage", f"{what}: is no array: {reason}") from reason
+    array = plain(what, array)
     if array.dtype == dtype:
         return array
     if array.dtype.kind == "f" and dtype.kind == "f":

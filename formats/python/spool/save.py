@@ -24,7 +24,8 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     path = path_of("path", path)
     components, scope, dtypes = (mapping(name, {} if given is None else given) for name, given in
                                  (("components", components), ("scope", scope), ("dtypes", dtypes)))
-    arrays = {name: array(f"{path}: {name}", values, "fiub") for name, values in {"radiance": radiance, **layers}.items()}
+    arrays = {name: array(f"{path}: {name}", values, "f" if 0 < VOCABULARY.get(name, ("", 0))[1] < 8 and name not in dtypes else "fiub")
+              for name, values in {"radiance": radiance, **layers}.items()}
     if arrays["radiance"].ndim != 4 or arrays["radiance"].shape[3] != 3:
         raise SpoolError("usage", f"{path}: radiance has shape {arrays['radiance'].shape}, not (height, width, spp, 3)")
     note_axes(path, arrays)

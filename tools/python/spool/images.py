@@ -50,20 +50,13 @@ def figure(png: bytes, caption: str) -> str:
 
 def image_array(image, name: str) -> np.ndarray:
     """[y][x][3] float64 of an array [y][x][3], or of grey [y][x]."""
-    if isinstance(image, np.ma.MaskedArray):
-        raise SpoolError("usage", f"{name}: is masked: give an array with NaN where there is nothing")
-    try:
-        array = np.asarray(image)
-    except (TypeError, ValueError) as reason:
-        raise SpoolError("usage", f"{name}: is no image: {reason}") from None
-    if array.dtype.kind != "f":
-        raise SpoolError("usage", f"{name}: holds {array.dtype}, not floats: give linear values, for example image.astype(float)")
-    if array.ndim != 2 and (array.ndim != 3 or array.shape[2] != 3):
-        raise SpoolError("usage", f"{name}: has shape {array.shape}, not (height, width, 3) or (height, width)")
-    image_size(name, array.shape)
-    if array.ndim == 2:
-        array = np.repeat(array[..., None], 3, axis=2)
-    return np.ascontiguousarray(array, np.float64)
+    values = array(name, image, "f")
+    if values.ndim != 2 and (values.ndim != 3 or values.shape[2] != 3):
+        raise SpoolError("usage", f"{name}: has shape {values.shape}, not (height, width, 3) or (height, width)")
+    image_size(name, values.shape)
+    if values.ndim == 2:
+        values = np.repeat(values[..., None], 3, axis=2)
+    return np.ascontiguousarray(values, np.float64)
 
 
 def metrics(image: np.ndarray, reference: np.ndarray, *, metrics: Iterable[str] | None = None,
@@ -94,7 +87,7 @@ def _variance(values):
 
 
 def _image(values, name):
-    values = array(name, values)
+    values = array(name, values, "f")
     if values.ndim != 3 or values.shape[2] != 3:
         raise SpoolError("usage", f"{name}: has shape {values.shape}, not (height, width, 3)")
     image_size(name, values.shape)

@@ -186,8 +186,8 @@ def _image(answer, statistics):
     if isinstance(answer, np.ma.MaskedArray):
         raise TypeError("a filter answers with a plain array, not a masked one")
     answer = np.asarray(answer)
-    if answer.ndim != 3 or answer.shape[2] != 3 or answer.dtype.kind not in "iuf":
-        raise TypeError(f"a filter answers with an image [y][x][3], not {answer.dtype} of shape {answer.shape}")
+    if answer.ndim != 3 or answer.shape[2] != 3 or answer.dtype.kind != "f":
+        raise TypeError(f"a filter answers with an image [y][x][3] of floats, not {answer.dtype} of shape {answer.shape}")
     return np.ascontiguousarray(answer, np.float64)
 
 

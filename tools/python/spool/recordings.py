@@ -83,7 +83,7 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     if isinstance(radiance, (str, os.PathLike)):
         raise wrong(f"{name}: radiance", radiance, "no array: spool.open reads a file")
     choice("sample_order", sample_order, ("exchangeable", "renderer"))
-    arrays = {key: array(f"{name}: {key}", values) for key, values in given.items()
+    arrays = {key: array(f"{name}: {key}", values, "f") for key, values in given.items()
               if values is not None or key == "radiance"}
     shape = arrays["radiance"].shape
     if len(shape) != 4 or shape[3] != 3 or not 0 < shape[2] <= MAX_SPP:
