@@ -303,6 +303,23 @@ def test_what_does_not_become_an_array_says_so_itself(call, tmp_path):
         call(Tensor(), tmp_path)
 
 
+def test_recordings_go_to_other_processes(dump, path, tmp_path, monkeypatch):
+    wanted = spool.replay(dump, "multiscale", 4).image
+    held = spool.recording(dump.read("radiance"), film=dump.read("film"), depth=dump.read("depth"), reference=dump.pixel("reference"), name="held",
+                           sample_order=dump.sample_order)
+    monkeypatch.chdir(tmp_path)
+    for given in (dump, held):
+        sent = pickle.loads(pickle.dumps(given))
+        assert repr(sent) == repr(given) and np.array_equal(spool.replay(sent, "multiscale", 4).image, wanted)
+    assert all(np.array_equal(sent.arrays[name], values) for name, values in held.arrays.items()) and sent.sample_order == held.sample_order
+    with pytest.raises(spool.SpoolError, match="stays in its process: hand over its counts"):
+        pickle.dumps(spool.replay(dump, "uniform", 2))
+    sent = pickle.dumps(dump)
+    spool.write(path, np.ones((4, 5, 2, 3), "f4"), force=True)
+    with pytest.raises(spool.SpoolError, match="scene.spool: is another recording than"):
+        pickle.loads(sent)
+
+
 def test_an_array_that_looks_like_sample_y_x_is_pointed_out():
     images = np.random.default_rng(1).random((8, 12, 16, 3), np.float32)  # 8 images of 16 x 12 pixels
     with pytest.warns(UserWarning, match="12 x 8 pixels of 16 samples.*moveaxis"):

@@ -141,6 +141,17 @@ def test_evaluate_judges_them_like_any_other(dump, path):
     assert low < value < high
 
 
+def test_one_that_fails_leaves_the_results_of_the_others(dump):
+    bad = spool.filter(lambda statistics: 1 / 0, label="bad")
+    plan = {"recordings": [dump], "spp": [4], "replicates": 2, "samplers": ["uniform"], "filters": ["box", bad]}
+    with pytest.raises(spool.SpoolError, match="2 of 4 results failed") as caught:
+        spool.evaluate(plan)
+    gc.collect()
+    found = caught.value.results
+    assert sorted((row["filter"], "ZeroDivisionError" in (row["error"] or "")) for row in found.rows) == [("bad", True)] * 2 + [("box", False)] * 2
+    assert [mean["filter"] for mean in found.means if "quantities" in mean] == ["box"]
+
+
 def test_another_function_of_the_same_name_is_another_method(dump, tmp_path):
     def evaluate(function):
         return spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": [function],

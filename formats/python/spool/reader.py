@@ -3,6 +3,8 @@
 Ordinary reads go through the file; `block` hands out a read-only view of a mapping, so the file must not be cut while
 such a view is alive.
 """
+import os
+
 import numpy as np
 
 from . import channel, meta
@@ -25,6 +27,14 @@ def open(path):
     return dump
 
 
+def _again(kind, place, uuid):
+    dump = kind(place)
+    if dump.uuid == uuid:
+        return dump
+    with dump:
+        raise dump._records.error("usage", "is another recording than the one that was pickled: open it anew")
+
+
 class Dump:
     """One open file.
 
@@ -36,6 +46,7 @@ class Dump:
     def __init__(self, path):
         self._records = RecordFile(path)
         self.path, self.uuid = self._records.path, self._records.uuid
+        self._place = os.path.abspath(self.path)
         try:
             self._open_geometry()
             self._table = BlockTable(self._records, self.geometry, self._groups)
@@ -50,6 +61,9 @@ class Dump:
 
     def __repr__(self):
         return f"<spool.Dump {self.path}: {self.width} x {self.height} pixels, {self.spp} samples each, {', '.join(self.layers)}>"
+
+    def __reduce__(self):  # the same file, opened in another process
+        return _again, (type(self), self._place, self.uuid)
 
     def close(self):
         """The file; views that `block` handed out stay."""

@@ -115,7 +115,7 @@ def sampler(function: Callable | None = None, *, init_spp: int | None = None, ro
     """Makes a function a sampler.
 
     It is asked `rounds` times, after every pixel took `init_spp` samples (None: 4 from 8 samples per pixel on, else 2),
-    with Statistics, and answers [y][x]: whole numbers are how many more samples it wants; other numbers are weights by
+    with Statistics, and answers [y][x]: integers are how many more samples it wants; floats are weights by
     which its share of the budget is given out. `features`: also the means of albedo, normal and depth, and their
     variances. `moments`: also moments of the samples transformed with these lambda, as (x^lambda - 1) / lambda. Further
     parameters with defaults are options. `label`: its name in tables, else the function's.

@@ -1,6 +1,7 @@
 """Where samples come from: a file, or arrays."""
 from __future__ import annotations
 
+import functools
 import json
 import os
 import tempfile
@@ -52,6 +53,9 @@ class Recording:
     def __init__(self, source, arrays, sample_order):
         self.source, self.arrays, self.sample_order = source, arrays, sample_order
         self.height, self.width, self.spp = arrays["radiance"].shape[:3]
+
+    def __reduce__(self):  # all of its arrays
+        return functools.partial(recording, name=self.source.name, sample_order=self.sample_order, **self.arrays), ()
 
     def __repr__(self):
         return f"<spool.Recording {self.source.name}: {self.width} x {self.height} pixels, {self.spp} samples each>"

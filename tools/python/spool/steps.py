@@ -70,6 +70,9 @@ class Selection:
         self.replayed = run(views)
         self._views = self.replayed.views() if views else None
 
+    def __reduce__(self):
+        raise SpoolError("usage", "a selection stays in its process: hand over its counts, reconstruct() takes them, or replay there")
+
     def __repr__(self):
         return f"<spool.Selection of {self.recording.source.name}: {self.log['spent']} samples>"
 
