@@ -8,6 +8,8 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "lib/core/counted.h"
+
 namespace spool {
 namespace {
 
@@ -162,7 +164,7 @@ std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i == kListedNames || text.size() + names[i].size() > kListedBytes) {
-      if (i == 0) return fmt::format("{} names", names.size());
+      if (i == 0) return counted(names.size(), "name");
       return text + fmt::format(" and {} more", names.size() - i);
     }
     text += (text.empty() ? "" : ", ") + names[i];

@@ -96,6 +96,9 @@ Result<ForeignPicture> read_layer(ExrSource& source, const std::vector<ExrLayer>
   }
   if (layer.grey && picture.channel != "Y")
     picture.remarks.push_back(picture.channel + " is taken as grey");
+  if (!part.lossy.empty())
+    picture.remarks.push_back(
+        part.lossy + " is a compression with loss: the values are near those that were saved");
   if (picture.shown != part.data)
     picture.remarks.push_back(fmt::format("pixels outside of the display window ({}) are left out",
                                           text_of(part.display)));

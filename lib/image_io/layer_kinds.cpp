@@ -45,9 +45,13 @@ bool is_letter_or_digit(char c) {
   return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || static_cast<unsigned char>(c) >= 0x80;
 }
 
+// Also without "normalized", which is of no normals.
 std::string squashed(const std::string& name) {
   std::string text;
   std::copy_if(name.begin(), name.end(), std::back_inserter(text), is_letter_or_digit);
+  for (const Word scaled : {"normalized", "normalised"})
+    if (const std::size_t at = text.find(scaled); at != std::string::npos)
+      text.erase(at, scaled.size());
   return text;
 }
 

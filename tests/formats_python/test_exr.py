@@ -41,3 +41,26 @@ def test_each_chunk_is_there_once(tmp_path, first, second):
     with pytest.raises(spool.SpoolError, match=r"a\.exr: .*twice") as caught:
         spool.exr.read(path)
     assert caught.value.kind == "invalid" and "\n" not in str(caught.value)
+
+
+def test_halves_of_either_byte_order_stay_halves(tmp_path):
+    for order in "<>":
+        spool.exr.write(tmp_path / "a.exr", {"Y": np.full((2, 3), 0.5, order + "f2")}, force=True)
+        assert spool.exr.read(tmp_path / "a.exr")["Y"].dtype == np.float16
+
+
+@pytest.mark.parametrize("name, flags", [("x" * 31, 0), ("x" * 32, 0x400), ("ü" * 16, 0x400)])
+def test_long_names_are_announced(tmp_path, name, flags):
+    spool.exr.write(tmp_path / "a.exr", {name: np.ones((2, 3), "f4"), "Y": np.zeros((2, 3), "f4")})
+    assert struct.unpack_from("<I", (tmp_path / "a.exr").read_bytes(), 4) == (2 | flags,)
+    assert spool.exr.read(tmp_path / "a.exr")[name].all()
+
+
+def test_a_picture_of_another_place_is_not_taken_for_one_at_the_origin(tmp_path):
+    path = tmp_path / "a.exr"
+    spool.exr.write(path, {"Y": np.ones((4, 3), "f4")})
+    window, moved = struct.pack("<4i", 0, 0, 2, 3), struct.pack("<4i", -1, 0, 1, 3)
+    data = path.read_bytes()
+    path.write_bytes(data.replace(b"displayWindow\0box2i\0\x10\0\0\0" + window, b"displayWindow\0box2i\0\x10\0\0\0" + moved))
+    with pytest.raises(spool.SpoolError, match="a.exr: not an OpenEXR image that spool writes .the data window is not the display window"):
+        spool.exr.read(path)

@@ -32,6 +32,7 @@ TAKEN = {
     "the name of part 0 counts": ([exr.Part(exr.rgb(B), name="albedo"), exr.Part(exr.rgb(A), name="beauty")], "not used: albedo"),
     "behind a depth": ([exr.Part({"Z": A[..., 0]}, name="depth"), exr.Part(exr.rgb(A), name="rgba")], "not used: Z"),
     "a layer of an unknown name": ([exr.Part(exr.rgb(A, "my_image"))], "the picture is taken to be my_image"),
+    "light that a renderer normalized": ([exr.Part(exr.rgb(A, "RADIANCE_PER_PIXEL_NORMALIZED") | exr.rgb(B, "SHADING_NORMAL"))], "not used: SHADING_NORMAL"),
     "red, green, blue": ([exr.Part(exr.rgb(A, "beauty", ("red", "green", "blue")))], ""),
     "the base before parts of it": ([exr.Part(exr.rgb(A) | exr.rgb(B, "diffuse") | exr.rgb(C, "specular"))], "not used: diffuse, specular"),
     "the default view": ([exr.Part(exr.rgb(A) | exr.rgb(B, "right"), exr.texts("multiView", ["left", "right"]))], "not used: right"),
@@ -66,6 +67,7 @@ REFUSED = {
                            1, "rgba.left, rgba.right", "--layer"),
     "one layer in two parts": ([exr.Part(exr.rgb(A, "beauty"), name="one"), exr.Part(exr.rgb(B, "beauty"), name="two")], 1, "part 0 'one'", "--part one"),
     "X, Y, Z": ([exr.Part(exr.rgb(A, names="XYZ"))], 1, "no picture", "X,Y,Z"),
+    "normals that were normalised": ([exr.Part(exr.rgb(A, "normalised_normal"))], 1, "no picture", "normalised_normal"),
     "normals": ([exr.Part(exr.rgb(A, "N", "XYZ"))], 1, "no picture", "N"),
     "a depth alone": ([exr.Part({"Z": A[..., 0]})], 1, "no picture", "Z"),
     "an alpha alone": ([exr.Part({"A": A[..., 0]})], 1, "no picture", "A"),
@@ -217,6 +219,10 @@ def test_compression_with_loss_and_values_that_are_not_finite_are_named(tmp_path
         spec.attribute("compression", "dwaa" if s < 2 else "zip")
         image = oiio.ImageOutput.create(str(tmp_path / "f" / f"s_{s}.exr"))
         assert image.open(str(tmp_path / "f" / f"s_{s}.exr"), spec) and image.write_image(pixels) and image.close()
+    for image, remark in (("s_0.exr", "DWA is a compression with loss"), ("s_2.exr", "")):
+        code, _, message = picture(tmp_path / "f" / image)
+        (tmp_path / "f" / image).with_suffix(".read.exr").unlink()
+        assert code == 0 and remark in message and bool(remark) == ("loss" in message), message
     code, message, _ = samples(tmp_path, tmp_path / "f")
     assert code == 0 and "DWA is a compression with loss" in message and "values are not finite" in message, message
 
@@ -251,6 +257,8 @@ def test_a_file_of_many_layers_is_one_short_line(tmp_path):
     assert code == 1 and "and 2992 more" in message and len(message) < 400, message
     code, _, message = picture(exr.write(path, exr.Part(layers | exr.rgb(A[:1, :1]))))
     assert code == 0 and "and 2992 more" in message and len(message) < 400, message
+    code, _, message = picture(exr.write(path, exr.Part(exr.rgb(A) | {"x" * 200: A[..., 0]})))
+    assert code == 0 and message.endswith("not used: 1 name"), message
 
 
 OTHER_KINDS = {

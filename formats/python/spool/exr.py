@@ -21,6 +21,7 @@ from .arguments import array, flag
 from .error import SpoolError, open_regular
 
 MAGIC = 20000630
+LONG_NAMES = 0x400
 NOT_FLAT_SCANLINES = 0x200 | 0x800 | 0x1000  # tiled, deep, multi-part
 LINES_PER_CHUNK = {0: 1, 1: 1, 2: 1, 3: 16}  # none, RLE, ZIPS, ZIP
 TYPES = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
@@ -55,7 +56,7 @@ def write(path, channels, *, force=False):
         if not isinstance(name, str) or not 0 < len(name.encode()) < 256 or "\0" in name:
             raise SpoolError("usage", f"{final}: {name!r} is no name of a channel")
         plane = array(f"{final}: {name}", plane, "biuf")
-        wide = "<u4" if plane.dtype.kind == "u" else "<f2" if plane.dtype == np.float16 else "<f4"
+        wide = "<u4" if plane.dtype.kind == "u" else "<f2" if plane.dtype.kind == "f" and plane.itemsize == 2 else "<f4"
         with np.errstate(over="ignore"):
             planes[name] = np.ascontiguousarray(plane, wide)
         whole = plane.dtype.kind in "iu"
@@ -71,7 +72,7 @@ def write(path, channels, *, force=False):
     channel_list = b"".join(name.encode() + struct.pack("<xiIii", kinds[planes[name].dtype], 0, 1, 1)
                             for name in names) + b"\0"
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    header = struct.pack("<II", MAGIC, 2)
+    header = struct.pack("<II", MAGIC, 2 | max(LONG_NAMES * (len(name.encode()) > 31) for name in names))
     for name, kind, value in (("channels", "chlist", channel_list), ("compression", "compression", b"\0"),
                               ("dataWindow", "box2i", window), ("displayWindow", "box2i", window),
                               ("lineOrder", "lineOrder", b"\0"),
@@ -107,6 +108,8 @@ def _parse(data):
     compression = attributes["compression"][0]
     if compression not in LINES_PER_CHUNK:
         raise ValueError(f"compression {compression}")
+    if attributes["dataWindow"] != attributes["displayWindow"]:
+        raise ValueError("the data window is not the display window")
     x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"])
     width, height = x1 - x0 + 1, y1 - y0 + 1
     channels = _channels(attributes["channels"])
