@@ -30,6 +30,7 @@ def sees_features(statistics):
     assert set(statistics.features) == {"albedo", "normal", "depth"}
     assert statistics.features["albedo"].shape == (*statistics.n.shape, 3)
     assert statistics.feature_variances["albedo"].shape == (*statistics.n.shape, 3)
+    assert np.abs(statistics.features["depth"]).max() == 1  # of its largest mean
     assert (statistics.feature_variances["depth"] >= 0).all() and statistics.moments == {}
     return statistics.features["albedo"][..., 0]
 

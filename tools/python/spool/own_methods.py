@@ -26,7 +26,7 @@ class Statistics:
     variance: np.ndarray = field(repr=False)  # [y][x][3], of that mean; below 4 samples pooled with the neighbours'
     n: np.ndarray = field(repr=False)  # [y][x], samples taken
     left: np.ndarray = field(repr=False)  # [y][x], samples that are left to take
-    features: dict = field(default_factory=dict, repr=False)  # {"albedo": [y][x][c]}, where asked for and recorded
+    features: dict = field(default_factory=dict, repr=False)  # {"albedo": [y][x][c]}, where asked for and recorded; depth divided by its largest
     feature_variances: dict = field(default_factory=dict, repr=False)  # of those means, in the same way
     moments: dict = field(default_factory=dict, repr=False)  # {0.25: {"mean", "m2", "m3", "m4": [y][x][3]}}, for each lambda asked for
     round: int = 0  # these five are a sampler's alone: 0 .. rounds - 1
