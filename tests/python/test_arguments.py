@@ -40,3 +40,18 @@ def test_every_public_function_and_parameter_has_its_cases():
                for parameter in inspect.signature(getattr(spool, name)).parameters
                if parameter not in cases[name] and parameter not in argument_cases.ELSEWHERE]
     assert not missing
+
+
+class Number(float):
+    """As a number of numpy 2, which is a float and has a spelling of its own."""
+
+    def __repr__(self):
+        return "np.float64(0.5)"
+
+
+def test_a_float_of_another_kind_is_a_number():
+    plan = {"recordings": [argument_cases.RECORDING], "samplers": [{"name": "multiscale", "alpha": [Number(0.5)]}], "filters": ["box"],
+            "spp": [Number(4.0)], "replicates": 1}
+    assert spool.evaluate(plan).rows[0]["spp"] == 4
+    half = spool.replay(argument_cases.RECORDING, "multiscale", Number(4.0), alpha=Number(0.5))
+    assert (half.counts == spool.replay(argument_cases.RECORDING, "multiscale", 4, alpha=0.5).counts).all()

@@ -128,7 +128,7 @@ def option_text(value) -> str:
         return "on" if value else "off"
     if isinstance(value, np.generic):
         value = value.item()
-    return repr(value) if isinstance(value, float) else text("option", str(value))
+    return repr(float(value)) if isinstance(value, float) else text("option", str(value))
 
 
 def wrong(name: str, value, what: str) -> SpoolError:

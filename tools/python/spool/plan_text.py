@@ -64,7 +64,7 @@ def _value(key, value):
     if isinstance(value, int):
         return repr(whole(f"plan: {key}", value, 64))
     if isinstance(value, float):
-        return repr(value)
+        return repr(float(value))  # which a number of numpy's spells otherwise
     if hasattr(value, "item") and getattr(value, "ndim", None) == 0:  # a number of numpy's
         return _value(key, value.item())
     raise wrong(f"plan: {key}", value, "no number, text, list or table (recordings stand under 'recordings', functions under "
