@@ -53,8 +53,8 @@ int withheld_samples(ReferenceKind kind, const RecordedSamples& recording,
 // holdout where it can spare the samples, else leave_selected_out.
 ReferenceKind default_reference_kind(const RecordedSamples& recording);
 
-// The reference recorded with the samples. Error kData when there is none. Without a recorded
-// variance it is taken as exact.
+// The reference recorded with the samples. Error kData when there is none, or it is the mean of
+// those samples. Without a recorded variance it is taken as exact.
 Result<JudgingReference> independent_reference(const RecordedSamples& recording);
 
 // Means of the held-out samples of the pool: two thirds of them (rounded up) are R, with their

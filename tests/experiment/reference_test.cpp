@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/core/random.h"
 #include "lib/statistics/piece_statistics.h"
 #include "lib/synthetic/scene_s.h"
 #include "tests/support/memory_pool.h"
@@ -326,6 +327,39 @@ TEST(Reference, DefaultsFollowWhatTheRecordingHas) {
   EXPECT_EQ(default_reference_kind(*memory_recording(2, 2, 64, grey)), ReferenceKind::kHoldout);
   EXPECT_EQ(default_reference_kind(make_scene_s(4, 4, 64, 1)), ReferenceKind::kIndependent);
   EXPECT_FALSE(independent_reference(*memory_recording(2, 2, 8, grey)).has_value());
+}
+
+// Samples of noise, judged by the mean of the first `of` samples of each pixel, rounded to float.
+bool judges(int of, int side, int spp, const std::function<float(int, int, int)>& radiance) {
+  RecordedSamples recording = *memory_recording(side, side, spp, [&](int x, int y, int s) -> Rgb {
+    const float v = radiance(x, y, s);
+    return {v, v, v};
+  });
+  RgbImage mean = make_rgb(side, side);
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      double sum = 0;
+      for (int s = 0; s < of; ++s)
+        sum += static_cast<double>(radiance(x, y, s));
+      for (Plane& plane : mean)
+        plane(x, y) = static_cast<double>(static_cast<float>(sum / of));
+    }
+  }
+  recording.set_reference({mean, {}});
+  return independent_reference(recording).has_value();
+}
+
+TEST(Reference, TheMeanOfTheSamplesThemselvesDoesNotJudge) {
+  const auto noise = [](int x, int y, int s) {
+    return static_cast<float>(-std::log1p(-unit_double(mix(1, x, y, s))));
+  };
+  EXPECT_FALSE(judges(16, 16, 16, noise));
+  EXPECT_FALSE(judges(256, 64, 256, noise));  // more samples than are looked at
+  EXPECT_TRUE(judges(15, 16, 16, noise));
+  EXPECT_TRUE(judges(1, 16, 16, noise));
+  // A lamp, a sky: without noise the two are one anyway.
+  EXPECT_TRUE(judges(16, 16, 16, [](int x, int y, int) { return 0.1f * x + y; }));
+  EXPECT_TRUE(judges(4, 2, 4, noise));  // too few values to say so
 }
 
 // A noisy independent reference: the debiased value is that of the noiseless one on average.

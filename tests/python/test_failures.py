@@ -1,5 +1,6 @@
 """Every failure is a SpoolError with the line and the exit code of the program, its options as parameters."""
 import concurrent.futures
+import contextlib
 import os
 import pickle
 import threading
@@ -301,6 +302,25 @@ class Tensor:
 def test_what_does_not_become_an_array_says_so_itself(call, tmp_path):
     with pytest.raises(spool.SpoolError, match="is no array: .*requires grad. Use tensor.detach"):
         call(Tensor(), tmp_path)
+
+
+def test_a_reference_of_the_same_samples_does_not_judge(tmp_path):
+    random = np.random.default_rng(1)
+    samples, others = (random.exponential(1.0, (8, 9, 6, 3)).astype("f4") for _ in range(2))
+    plan = {"samplers": ["uniform"], "filters": ["box"], "spp": [2], "replicates": 1}
+    with pytest.warns(UserWarning, match="a.spool: the reference is the mean of these samples"):
+        spool.write(tmp_path / "a.spool", samples, reference=samples.mean(axis=2))
+    with pytest.warns(UserWarning, match="recording: the reference is the mean of these samples"):
+        held = spool.recording(samples, reference=samples.mean(axis=2, dtype="f8"))
+    for recording in (tmp_path / "a.spool", held):
+        with pytest.warns(UserWarning) if recording is held else contextlib.nullcontext(), \
+                pytest.raises(spool.SpoolError, match="the reference is the mean of the recording's own samples.*: judge by"):
+            spool.evaluate({"recordings": [recording], **plan})
+        with pytest.warns(UserWarning) if recording is held else contextlib.nullcontext():
+            assert spool.evaluate({"recordings": [recording], "reference": "leave_selected_out", **plan}).rows[0]["reference"] == "leave_selected_out"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        spool.evaluate({"recordings": [spool.recording(samples, reference=others.mean(axis=2))], **plan})
 
 
 def test_recordings_go_to_other_processes(dump, path, tmp_path, monkeypatch):

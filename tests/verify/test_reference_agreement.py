@@ -66,3 +66,11 @@ def test_wrong_references_are_found():
     smooth = sum(np.roll(truth, (y, x), (0, 1)) for y in (-1, 0, 1) for x in (-1, 0, 1)) / 9
     for wrong in (scene(rng), smooth, np.roll(truth, 1, axis=1), 1.1 * truth):
         assert fails(rng, truth, wrong)
+
+
+def test_the_mean_of_the_samples_themselves_is_found():
+    rng = np.random.default_rng(13)
+    samples = draw(rng, scene(rng), SAMPLES).astype("f4")
+    for reference, own in ((samples.mean(axis=2), True), (samples[:, :, 1:].mean(axis=2), False), (draw(rng, scene(rng), SHORT).mean(axis=2), False)):
+        dump = SimpleNamespace(layers={"reference": reference}, pixel={"reference": reference}.get, sample_order="renderer", meta={})
+        assert [entry["holds"] for entry in reference_findings(dump, samples, LEVEL)] == [False if own else None]

@@ -1,4 +1,6 @@
 """One call from arrays to a complete `.spool` file."""
+import warnings
+
 import numpy as np
 
 from .arguments import array, mapping, note_axes
@@ -32,7 +34,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     for name in {**components, **scope, **dtypes}:
         if name not in arrays:
             raise SpoolError("usage", f"{path}: no layer {name}: it has {', '.join(arrays)}")
-    check_variance(path, arrays)
+    check_reference(path, arrays)
     height, width, spp, _ = arrays["radiance"].shape
     declared = {}
     for name, values in arrays.items():
@@ -53,8 +55,13 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
             raise
 
 
-def check_variance(path, arrays):
-    """Errors are debiased by it: one that is none would make them wrong."""
+def check_reference(path, arrays):
+    """Errors are debiased by its variance, and made too small where it is of the same samples."""
+    _check_variance(path, arrays)
+    _note_own_mean(path, arrays)
+
+
+def _check_variance(path, arrays):
     variance, mean = arrays.get("reference_variance"), arrays.get("reference")
     if variance is None or variance.ndim != 3:  # its shape is refused later
         return
@@ -65,6 +72,22 @@ def check_variance(path, arrays):
         y, x, *_ = wrong[0]
         raise SpoolError("usage", f"{path}: reference_variance of pixel {x},{y} is {variance[tuple(wrong[0])]}: "
                                   "a variance is finite and at least 0")
+
+
+def _note_own_mean(path, arrays):
+    """What is judged by the mean of its own samples is judged too kindly (lib/experiment/reference.cpp)."""
+    radiance, reference = arrays["radiance"], arrays.get("reference")
+    if reference is None or reference.shape != (*radiance.shape[:2], 3) or not radiance.shape[2]:
+        return
+    rows = slice(None, None, 1 + radiance.size // 2**20)
+    with np.errstate(all="ignore"):  # whatever the samples are
+        samples = radiance[rows].astype(np.float64)
+        mean, error = samples.mean(axis=2), samples.std(axis=2) / np.sqrt(samples.shape[2])
+        noisy = error > 1e-4 * np.abs(mean)
+        near = np.abs(mean - reference[rows]) < 0.02 * error
+    if noisy.sum() >= 32 and near[noisy].mean() >= 0.99:
+        warnings.warn(f"{path}: the reference is the mean of these samples, which judges them too kindly: render one of other samples, "
+                      "or leave it out", stacklevel=4)
 
 
 def _write_all(writer, arrays, declared):

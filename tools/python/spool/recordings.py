@@ -16,7 +16,7 @@ from .arguments import path as path_of
 from .cells import recording_html
 from .error import SpoolError
 from .record_layout import MAX_SPP
-from .save import check_variance
+from .save import check_reference
 
 FEATURES = {"albedo": "RGB", "normal": "XYZ", "depth": "Z"}
 
@@ -101,7 +101,7 @@ def recording(radiance: np.ndarray, *, film: np.ndarray | None = None, albedo: n
     for key in ("reference", "reference_variance"):
         if key in arrays:
             _want_shape(name, key, arrays[key], (*shape[:2], 3))
-    check_variance(name, arrays)
+    check_reference(name, arrays)
     held = {key: _frozen(values, np.float64, key) if key.startswith("reference") else _planes(values, key) for key, values in arrays.items()}
     source = _core.Source(name, held["radiance"], held.get("film"),
                           [(key, components, held[key]) for key, components in FEATURES.items() if key in held],
