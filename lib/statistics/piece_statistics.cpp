@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -85,29 +86,49 @@ void check_prefix(const SamplePool& pool, const CountImage& counts) {
     SPOOL_CHECK_LE(count, pool.capacity(0, 0));
 }
 
-// Index of the non-empty piece nearest to (x, y) by rings of growing Chebyshev radius; inside a
-// ring the smallest Euclidean distance wins, then the lowest index. -1 when every piece is empty.
-std::ptrdiff_t nearest_non_empty(const CountImage& n, int x, int y) {
+// [y][x] rings to the nearest piece with samples, by Chebyshev distance: 0 where there are some,
+// the longer side where no piece has any. One pass brings what comes from above and from the left,
+// one what comes from below and from the right.
+CountImage rings_to_samples(const CountImage& n) {
   const int reach = std::max(n.width(), n.height());
-  for (int radius = 1; radius <= reach; ++radius) {
-    std::ptrdiff_t best = -1;
-    long long best_distance = std::numeric_limits<long long>::max();
-    for (int dy = -radius; dy <= radius; ++dy) {
-      const bool edge_row = dy == -radius || dy == radius;
-      for (int dx = -radius; dx <= radius; dx += edge_row ? 1 : 2 * radius) {
-        const int px = x + dx, py = y + dy;
-        if (!n.bounds().contains(px, py) || n(px, py) == 0) continue;
-        const long long distance =
-            static_cast<long long>(dx) * dx + static_cast<long long>(dy) * dy;
-        if (distance < best_distance) {
-          best_distance = distance;
-          best = static_cast<std::ptrdiff_t>(n.index(px, py));
-        }
+  CountImage rings(n.width(), n.height(), reach);
+  const auto look = [&](int x, int y, int back) {
+    std::int32_t& own = rings(x, y);
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {1, 1}, {0, 1}, {-1, 1}}) {
+      const int px = x - back * dx, py = y - back * dy;
+      if (n.bounds().contains(px, py) && rings(px, py) < own) own = rings(px, py) + 1;
+    }
+    if (n(x, y) > 0) own = 0;
+  };
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x)
+      look(x, y, 1);
+  }
+  for (int y = n.height(); y-- > 0;) {
+    for (int x = n.width(); x-- > 0;)
+      look(x, y, -1);
+  }
+  return rings;
+}
+
+// Index of the piece with samples that is nearest to (x, y) on the ring of this Chebyshev radius:
+// the smallest Euclidean distance wins, then the lowest index. -1 where the ring has none.
+std::ptrdiff_t nearest_non_empty(const CountImage& n, int x, int y, int radius) {
+  std::ptrdiff_t best = -1;
+  long long best_distance = std::numeric_limits<long long>::max();
+  for (int dy = -radius; dy <= radius; ++dy) {
+    const bool edge_row = dy == -radius || dy == radius;
+    for (int dx = -radius; dx <= radius; dx += edge_row ? 1 : 2 * radius) {
+      const int px = x + dx, py = y + dy;
+      if (!n.bounds().contains(px, py) || n(px, py) == 0) continue;
+      const long long distance = static_cast<long long>(dx) * dx + static_cast<long long>(dy) * dy;
+      if (distance < best_distance) {
+        best_distance = distance;
+        best = static_cast<std::ptrdiff_t>(n.index(px, py));
       }
     }
-    if (best >= 0) return best;
   }
-  return -1;
+  return best;
 }
 
 }  // namespace
@@ -252,6 +273,8 @@ double exposure_of(const PieceStatistics& statistics, GuardCounts& guards) {
 Plane fill_empty_pieces(Plane pieces, const CountImage& n, int pieces_per_side,
                         GuardCounts& guards) {
   const int q = pieces_per_side;
+  CountImage rings;  // made where a whole pixel is empty
+  std::once_flag made;
   std::vector<std::uint64_t> empty(static_cast<std::size_t>(pieces.height()), 0);
   // In place and by all threads: empty pieces are written, the others are read.
   parallel_rows(0, pieces.height(), [&](int y) {
@@ -271,7 +294,8 @@ Plane fill_empty_pieces(Plane pieces, const CountImage& n, int pieces_per_side,
         pieces(x, y) = sum / count;
         continue;
       }
-      const std::ptrdiff_t nearest = nearest_non_empty(n, x, y);
+      std::call_once(made, [&] { rings = rings_to_samples(n); });
+      const std::ptrdiff_t nearest = nearest_non_empty(n, x, y, rings(x, y));
       if (nearest >= 0) pieces(x, y) = pieces[static_cast<std::size_t>(nearest)];
     }
   });

@@ -205,6 +205,20 @@ TEST(PixelMeans, NearestFillEqualsTheTwin) {
   EXPECT_EQ(guards[Guard::kEmptyPiece], empty);
 }
 
+// Of a mask that leaves one corner, say: a search of each pixel from ring to ring takes an hour.
+TEST(PixelMeans, FewSamplesFillALargePicture) {
+  CountImage n(600, 600);
+  Plane pieces(600, 600);
+  n(599, 0) = n(0, 599) = 1;
+  pieces(599, 0) = 1.0, pieces(0, 599) = 2.0;
+  GuardCounts guards;
+  const Plane filled = fill_empty_pieces(pieces, n, 1, guards);
+  for (int y = 0; y < 600; ++y) {
+    for (int x = 0; x < 600; ++x)
+      ASSERT_EQ(filled(x, y), x < y ? 2.0 : 1.0) << x << "," << y;
+  }
+}
+
 TEST(PixelMeans, WithoutAnySampleAreZero) {
   const SamplePool pool = memory_pool(3, 2, 1, wild_radiance);
   GuardCounts guards;
