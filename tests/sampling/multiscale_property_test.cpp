@@ -263,6 +263,25 @@ TEST(MultiscaleViews, NamesAndImagesAreThoseOfTheMethod) {
   EXPECT_NE(by_name["P.1"], by_name["P_initial.1"]);
 }
 
+TEST(MultiscaleViews, SamplesOfEveryLevelAreWhatTheFirstLeft) {
+  const SamplePool pool = test::noisy_pool(33, 18, 9);
+  for (const char* tile : {"0", "16"}) {
+    MultiscaleOptions options =
+        multiscale_options("robust", {{"explore_fraction", "0.25"}, {"tile", tile}});
+    options.init_spp = 2;
+    Views views({"samples"});
+    SamplingContext context;
+    context.views = &views;
+    const SamplingResult result = run_multiscale(pool, 33 * 18 * 5 + 7, options, context);
+    CountImage taken(33, 18, 2);
+    for (const View& view : views.collected()) {
+      for (std::size_t i = 0; i < taken.size(); ++i)
+        taken[i] += static_cast<int>(view.image[i]);
+    }
+    EXPECT_EQ(taken, result.selection.statistics.n) << tile;
+  }
+}
+
 TEST(Multiscale, CancellingIsAnErrorAndProgressRisesToOne) {
   const SamplePool pool = test::noisy_pool(32, 32, 16);
   std::vector<double> progress;

@@ -85,7 +85,9 @@ void LevelViews::paste(const Board& board, const std::vector<CountImage>& level_
     paste_area(board, level_of_samples[k], views_[k].image);
 }
 
-void LevelViews::hand_over(Views& views) const {
+void LevelViews::hand_over(const CountImage& explored, Views& views) {
+  for (std::size_t i = 0; wanted() && i < explored.size(); ++i)
+    views_[0].image[i] += explored[i];
   for (const View& view : views_)
     views.add(view.name, view.image);
 }

@@ -53,7 +53,8 @@ class LevelViews {
   LevelViews(const Views* wanted, int width, int height, int levels);
   bool wanted() const { return !views_.empty(); }
   void paste(const Board& board, const std::vector<CountImage>& level_of_samples);
-  void hand_over(Views& views) const;
+  // `explored` [y][x], or empty: uniformly spent before there was a board.
+  void hand_over(const CountImage& explored, Views& views);
 
  private:
   std::vector<View> views_;

@@ -190,7 +190,7 @@ Result<SamplingResult> sample(const SamplePool& pool, long long budget,
   });
   if (progress.cancelled()) return fail(ErrorCode::kData, "multiscale: cancelled");
 
-  results.hand_over(result, context.views);
+  results.hand_over(result, samples.explored, context.views);
   result.selection.statistics = std::move(samples.statistics);
   finish_log(result.log, pool, result.selection.statistics.n);
   return result;

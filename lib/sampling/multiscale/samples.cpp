@@ -72,12 +72,18 @@ Samples first_samples(const SamplePool& pool, long long budget, const Multiscale
   const long long left = std::min(budget, pool.total_capacity()) - log.initial;
   const auto explored =
       static_cast<long long>(options.explore_fraction * static_cast<double>(left));
+  CountImage of_piece;
   if (explored > 0) {
+    of_piece = first.n;
     first = prefix_statistics(pool, raise_least_sampled(first.n, pool, first.n.bounds(), explored,
                                                         mix(seed, kExploreLane)));
+    for (std::size_t i = 0; i < of_piece.size(); ++i)
+      of_piece[i] = first.n[i] - of_piece[i];
     log.samples_of_level[0] += explored;
   }
-  return make_samples(std::move(first), pool, exposure, options);
+  Samples samples = make_samples(std::move(first), pool, exposure, options);
+  samples.explored = std::move(of_piece);
+  return samples;
 }
 
 }  // namespace spool

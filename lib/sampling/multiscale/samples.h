@@ -17,6 +17,7 @@ struct Samples {
   PieceStatistics statistics;
   std::vector<AnalysisSignal> signals;       // per scalar; used with one channel when per channel
   std::vector<ScalarStatistics> of_channel;  // red, green, blue; empty unless per channel
+  CountImage explored;  // taken uniformly after the first; empty where the options ask for none
 
   std::size_t scalars() const { return signals.size(); }
   const ScalarStatistics& scalar(std::size_t i) const {

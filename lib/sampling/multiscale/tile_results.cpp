@@ -62,7 +62,7 @@ void TileResults::add(std::size_t t, AnalysedBoard<T> board, BoardLog log) {
   logs_[t] = std::move(log);
 }
 
-void TileResults::hand_over(SamplingResult& result, Views* views) {
+void TileResults::hand_over(SamplingResult& result, const CountImage& explored, Views* views) {
   for (const BoardLog& log : logs_) {
     result.log.uniform_remainder += log.uniform_remainder;
     for (std::size_t k = 0; k < log.samples_of_level.size(); ++k)
@@ -72,7 +72,7 @@ void TileResults::hand_over(SamplingResult& result, Views* views) {
   result.selection.attenuation = std::move(attenuation_);
   if (views == nullptr) return;
   views_.hand_over(*views);
-  level_views_.hand_over(*views);
+  level_views_.hand_over(explored, *views);
 }
 
 template void TileResults::add(std::size_t, AnalysedBoard<double>, BoardLog);

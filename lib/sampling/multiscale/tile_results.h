@@ -21,8 +21,8 @@ class TileResults {
   // Takes what a board has become. Several threads may add boards with disjoint areas.
   template <class T>
   void add(std::size_t t, AnalysedBoard<T> board, BoardLog log);
-  // Attenuation and log of the whole, and the views where there are any.
-  void hand_over(SamplingResult& result, Views* views);
+  // Attenuation and log of the whole, and the views where there are any; `explored` as in Samples.
+  void hand_over(SamplingResult& result, const CountImage& explored, Views* views);
 
  private:
   BoardViews views_;
