@@ -111,12 +111,14 @@ SamplesNeeded samples_needed(const BudgetCurve& curve, const Series& target) {
   const auto last = std::ranges::find_if(places, [](const Place& p) { return p.gap.high < 0; });
   const auto end = [&](auto found, double Interval::* side) {
     if (found == places.begin()) return curve.spp.front();
-    if (found == places.end()) return curve.spp.back();
+    if (found == places.end()) return std::isnan(places.back().gap.low) ? kNaN : curve.spp.back();
     const Place& above = *std::prev(found);
     return crossing(above, *found, above.gap.*side, (*found).gap.*side);
   };
   needed.low = end(first, &Interval::low);
   needed.high = end(last, &Interval::high);
+  // Beside a budget of one replicate, or of an interval that is withheld.
+  if (std::isnan(needed.low + needed.high)) needed.low = needed.high = kNaN;
   needed.at_most = needed.at_most && last == places.begin();
   needed.more_than = needed.more_than && first == places.end();
   return needed;

@@ -68,6 +68,27 @@ TEST(BudgetCurve, AMarkAgreesWithTheInterval) {
   EXPECT_FALSE(hard.more_than);
 }
 
+// "32 to 32" beside 25 would be an interval that nothing says.
+TEST(BudgetCurve, NoIntervalEndsBesideABudgetWhoseOwnIsWithheld) {
+  const BudgetCurve whole = power_law(3.0, -1.0, 0.01, 3);
+  for (const auto& [error, after] : {std::pair{0.4, 2u}, {0.12, 4u}}) {
+    const Series target = noisy(error, 0.01, 4);
+    const SamplesNeeded known = samples_needed(whole, target);
+    ASSERT_TRUE(known.low < known.spp && known.spp < known.high);
+    ASSERT_TRUE(whole.spp[after - 1] < known.low && known.high < whole.spp[after]);
+    for (std::size_t b = 0; b < whole.spp.size(); ++b) {
+      BudgetCurve curve = whole;
+      curve.series[b].withheld = Withheld::kFewPixels;
+      const SamplesNeeded needed = samples_needed(curve, target);
+      EXPECT_EQ(needed.spp, known.spp);
+      const bool beside = b <= 1 || b + 1 == after || b == after;  // or the first is not known
+      EXPECT_EQ(std::isnan(needed.low), beside) << error << ", withheld: " << b;
+      EXPECT_EQ(std::isnan(needed.high), beside) << error << ", withheld: " << b;
+      if (!beside) EXPECT_TRUE(needed.low == known.low && needed.high == known.high);
+    }
+  }
+}
+
 // What is left of a debiased error without its values below zero is too large.
 TEST(BudgetCurve, NothingIsKnownWhereAValueIsNotPositive) {
   BudgetCurve curve = power_law(3.0, -1.0, 0.1, 7);
