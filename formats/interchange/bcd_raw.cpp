@@ -59,8 +59,6 @@ Result<SampleArray> read_header(const FileHandle& file) {
   return array;
 }
 
-}  // namespace
-
 Result<ImportReport> import_bcd_raw(const std::filesystem::path& in,
                                     const std::filesystem::path& out,
                                     const ImportOptions& options) {
@@ -110,6 +108,8 @@ Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
   SPOOL_TRY(write_whole_file(out, options.force, fill));
   return report;
 }
+
+}  // namespace
 
 ImportFormat bcd_format() {
   return import_format<ImportOptions>("bcd", "BCD's raw samples: radiance only",

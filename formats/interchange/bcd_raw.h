@@ -5,25 +5,14 @@
 // exactly what the header says is the only proof. The order of the samples is not recorded.
 #pragma once
 
-#include <filesystem>
-
 #include "formats/interchange/export_format.h"
 #include "formats/interchange/import_format.h"
-#include "lib/core/error.h"
 
 namespace spool::interchange {
 
 // Errors: kDamage for a file that is cut, kData for one that is something else.
-Result<ImportReport> import_bcd_raw(const std::filesystem::path& in,
-                                    const std::filesystem::path& out,
-                                    const ImportOptions& options = {});
-
-// Bit-exact (f16 radiance is widened). Other layers are dropped and named in the report.
-Result<ExportReport> export_bcd_raw(const std::filesystem::path& in,
-                                    const std::filesystem::path& out,
-                                    const ExportOptions& options = {});
-
 ImportFormat bcd_format();
+// Bit-exact (f16 radiance is widened). Other layers are dropped and named in the report.
 ExportFormat bcd_target();
 
 }  // namespace spool::interchange

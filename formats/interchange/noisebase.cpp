@@ -21,6 +21,10 @@ using format::Scope;
 using format::store;
 using nlohmann::json;
 
+struct NoisebaseImportOptions : ImportOptions {
+  std::optional<uint64_t> frame;  // of a sequence
+};
+
 constexpr uint64_t kMaxMetaValues = 64;
 
 struct Source {
@@ -250,8 +254,6 @@ Result<std::vector<std::pair<Source, Taken>>> take_sources(const ZarrZip& zip, c
   return sources;
 }
 
-}  // namespace
-
 Result<ImportReport> import_noisebase(const std::filesystem::path& in,
                                       const std::filesystem::path& out,
                                       const NoisebaseImportOptions& options) {
@@ -299,6 +301,8 @@ Result<ImportReport> import_noisebase(const std::filesystem::path& in,
       "radiance was stored with 8 bits and random rounding: its variance includes that");
   return report;
 }
+
+}  // namespace
 
 ImportFormat noisebase_format() {
   using O = NoisebaseImportOptions;

@@ -6,25 +6,12 @@
 // frame is taken.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
-#include <optional>
-
 #include "formats/interchange/import_format.h"
-#include "lib/core/error.h"
 
 namespace spool::interchange {
 
-struct NoisebaseImportOptions : ImportOptions {
-  std::optional<uint64_t> frame;  // of a sequence
-};
-
 // Errors: kDamage for chunks that are missing or damaged, kData for arrays that are not a
-// SampleSet, kUsage for a sequence without `frame`.
-Result<ImportReport> import_noisebase(const std::filesystem::path& in,
-                                      const std::filesystem::path& out,
-                                      const NoisebaseImportOptions& options = {});
-
+// SampleSet, kUsage for a sequence without the option `frame`.
 ImportFormat noisebase_format();
 
 }  // namespace spool::interchange

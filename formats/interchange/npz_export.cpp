@@ -67,8 +67,6 @@ std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-}  // namespace
-
 Result<ExportReport> export_npz(const std::filesystem::path& in, const std::filesystem::path& out,
                                 const ExportOptions& options) {
   SPOOL_ASSIGN(const SpoolReader dump, SpoolReader::open(in));
@@ -104,6 +102,8 @@ Result<ExportReport> export_npz(const std::filesystem::path& in, const std::file
   SPOOL_TRY(write_whole_file(out, options.force, fill));
   return ExportReport{};
 }
+
+}  // namespace
 
 ExportFormat npz_target() {
   return export_format<ExportOptions>("npz", "a file of numpy arrays, bit for bit", {}, export_npz);

@@ -16,6 +16,13 @@ using format::FileHandle;
 using format::Scope;
 using nlohmann::json;
 
+enum class NpzLayout { kHWSC, kSHWC };  // [y][x][s][c], [s][y][x][c]
+
+struct NpzImportOptions : ImportOptions {
+  std::optional<NpzLayout> layout;
+  bool narrow = false;  // take f8 and round it to f4
+};
+
 std::optional<ElementType> element_type(const std::string& type) {
   static const std::map<std::string, ElementType> types = {
       {"<f2", ElementType::kFloat16}, {"<f4", ElementType::kFloat32},
@@ -266,8 +273,6 @@ Result<DumpPlan> plan_members(const std::vector<NpzMember>& members, const json&
   return plan;
 }
 
-}  // namespace
-
 Result<ImportReport> import_npz(const std::filesystem::path& in, const std::filesystem::path& out,
                                 const NpzImportOptions& options) {
   const std::string name = in.string();
@@ -302,6 +307,8 @@ Result<ImportReport> import_npz(const std::filesystem::path& in, const std::file
     if (layer.array.file == nullptr) layer.array.file = &inflated;
   return write_dump(out, std::move(plan), options);
 }
+
+}  // namespace
 
 ImportFormat npz_format() {
   using O = NpzImportOptions;

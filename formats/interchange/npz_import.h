@@ -9,23 +9,9 @@
 // into an unnamed file beside OUT first. Every checksum is verified before a sample is taken.
 #pragma once
 
-#include <filesystem>
-#include <optional>
-
 #include "formats/interchange/import_format.h"
-#include "lib/core/error.h"
 
 namespace spool::interchange {
-
-enum class NpzLayout { kHWSC, kSHWC };  // [y][x][s][c], [s][y][x][c]
-
-struct NpzImportOptions : ImportOptions {
-  std::optional<NpzLayout> layout;
-  bool narrow = false;  // take f8 and round it to f4
-};
-
-Result<ImportReport> import_npz(const std::filesystem::path& in, const std::filesystem::path& out,
-                                const NpzImportOptions& options = {});
 
 ImportFormat npz_format();
 

@@ -20,6 +20,14 @@ using format::Scope;
 using format::store;
 namespace plane = sbmc_plane;
 
+// Distances were divided by ten times the scene's radius ("normalised") or not ("raw"). Without an
+// answer it is taken from the light pdfs, which are logarithms in the first case.
+enum class SbmcScale { kNormalised, kRaw };
+
+struct SbmcImportOptions : ImportOptions {
+  std::optional<SbmcScale> scale;
+};
+
 constexpr size_t kMaxListBytes = size_t{16} << 20;
 
 Result<std::vector<std::filesystem::path>> tile_files(const std::filesystem::path& in) {
@@ -297,8 +305,6 @@ void describe(const SbmcHeader& header, float scale, DumpPlan& plan) {
   plan.record.dropped = {"light and BSDF pdfs", "light angles", "variances of features"};
 }
 
-}  // namespace
-
 Result<ImportReport> import_sbmc(const std::filesystem::path& in, const std::filesystem::path& out,
                                  const SbmcImportOptions& options) {
   SPOOL_TRY(format::refuse_existing_target(out, options.force));
@@ -342,6 +348,8 @@ Result<ImportReport> import_sbmc(const std::filesystem::path& in, const std::fil
       "the samples of a pixel are stratified: their variance overestimates that of the mean");
   return report;
 }
+
+}  // namespace
 
 ImportFormat sbmc_format() {
   using O = SbmcImportOptions;

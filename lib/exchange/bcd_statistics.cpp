@@ -17,6 +17,12 @@ using interchange::ExportReport;
 
 namespace {
 
+struct BcdStatisticsOptions : interchange::ExportOptions {
+  int spp = 0;            // the first so many of each pixel; 0: all
+  std::string selection;  // or an image of counts, channel n
+};
+
+constexpr int kBcdBins = 20;
 constexpr double kGamma = 2.2;
 constexpr double kMaxValue = 2.5;
 constexpr double kSaturation = 2.0;  // of the scaled value
@@ -146,8 +152,6 @@ bool is_grey(const RgbImage& rgb) {
   return true;
 }
 
-}  // namespace
-
 Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
                                            const std::filesystem::path& out,
                                            const BcdStatisticsOptions& options) {
@@ -195,6 +199,8 @@ Result<ExportReport> export_bcd_statistics(const std::filesystem::path& in,
   SPOOL_TRY(set.publish());
   return report;
 }
+
+}  // namespace
 
 interchange::ExportFormat bcd_statistics_target() {
   using O = BcdStatisticsOptions;

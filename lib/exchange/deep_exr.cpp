@@ -30,6 +30,12 @@ using interchange::ImportReport;
 
 namespace {
 
+struct DeepImportOptions : interchange::ImportOptions {
+  // Take a file of another tool: R, G, B and Z. Its samples may be sorted by depth, so each pixel
+  // is shuffled with a fixed seed.
+  bool foreign_samples = false;
+};
+
 constexpr const char* kIndexChannel = "spool.index";
 constexpr const char* kDepthChannel = "Z";
 constexpr uint64_t kMaxChunkBytes = (uint64_t{1} << 31) - 1;
@@ -116,8 +122,6 @@ Result<void> write_samples(const DeepHeader& deep, const format::DumpHeader& hea
   return writer.finish();
 }
 
-}  // namespace
-
 Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
                                      const std::filesystem::path& out,
                                      const interchange::ExportOptions& options) {
@@ -147,8 +151,6 @@ Result<ExportReport> export_deep_exr(const std::filesystem::path& in,
   SPOOL_TRY(set.publish());
   return report;
 }
-
-namespace {
 
 // A layer of the recording to be, and where its components are among the deep channels.
 struct Wanted {
@@ -365,8 +367,6 @@ Result<void> check_foreign(const std::filesystem::path& path) {
               conversion->from);
 }
 
-}  // namespace
-
 Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
                                      const std::filesystem::path& out,
                                      const DeepImportOptions& options) {
@@ -418,6 +418,8 @@ Result<ImportReport> import_deep_exr(const std::filesystem::path& in,
   report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
   return report;
 }
+
+}  // namespace
 
 interchange::ImportFormat deep_exr_format() {
   using O = DeepImportOptions;

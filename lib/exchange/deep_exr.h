@@ -7,32 +7,15 @@
 // of pixel scope go to NAME.pixel.exr beside it.
 #pragma once
 
-#include <filesystem>
-
 #include "formats/interchange/export_format.h"
 #include "formats/interchange/import_format.h"
-#include "lib/core/error.h"
 
 namespace spool::exchange {
 
-struct DeepImportOptions : interchange::ImportOptions {
-  // Take a file of another tool: R, G, B and Z. Its samples may be sorted by depth, so each pixel
-  // is shuffled with a fixed seed.
-  bool foreign_samples = false;
-};
-
 // Errors: kData for compositing images, unequal counts and reordered samples (with their pixel),
-// kUsage for foreign files without `foreign_samples`, kDamage for files that do not decode.
-Result<interchange::ImportReport> import_deep_exr(const std::filesystem::path& in,
-                                                  const std::filesystem::path& out,
-                                                  const DeepImportOptions& options = {});
-
-// kData when blocks are missing or a scanline would pass 2 GiB.
-Result<interchange::ExportReport> export_deep_exr(const std::filesystem::path& in,
-                                                  const std::filesystem::path& out,
-                                                  const interchange::ExportOptions& options = {});
-
+// kUsage for foreign files without the option `deep_samples`, kDamage for files that do not decode.
 interchange::ImportFormat deep_exr_format();
+// kData when blocks are missing or a scanline would pass 2 GiB.
 interchange::ExportFormat deep_exr_target();
 
 }  // namespace spool::exchange

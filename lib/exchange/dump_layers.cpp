@@ -1,9 +1,12 @@
 #include "lib/exchange/dump_layers.h"
 
 #include <algorithm>
+#include <cstring>
+#include <functional>
 
 #include "formats/bounded_json.h"
 #include "formats/geometry_rules.h"
+#include "formats/half_float.h"
 #include "formats/interchange/export_file.h"
 #include "formats/temporary_file.h"
 
@@ -24,6 +27,17 @@ uint64_t values_of(const LayerInfo& layer, const format::DumpHeader& header) {
          (layer.scope == Scope::kPixel ? 1 : header.spp) * layer.channel_count;
 }
 
+template <class To, class From, class Convert>
+void put(const ExrPlane& plane, size_t c, size_t channels, std::vector<std::byte>& values,
+         Convert&& convert) {
+  for (size_t p = 0; p < plane.values.size() / sizeof(From); ++p) {
+    From from;
+    std::memcpy(&from, &plane.values[p * sizeof(From)], sizeof(From));
+    const To to = convert(from);
+    std::memcpy(&values[(p * channels + c) * sizeof(To)], &to, sizeof(To));
+  }
+}
+
 }  // namespace
 
 PixelType pixel_type(format::DataType type) {
@@ -36,6 +50,21 @@ interchange::ElementType element_type(PixelType type) {
   return type == PixelType::kHalf    ? interchange::ElementType::kFloat16
          : type == PixelType::kFloat ? interchange::ElementType::kFloat32
                                      : interchange::ElementType::kUint32;
+}
+
+std::vector<std::byte> interleaved(std::span<const ExrPlane> planes, PixelType type) {
+  const size_t channels = planes.size(), bytes = bytes_per_value(type);
+  const size_t pixels = planes[0].values.size() / bytes_per_value(planes[0].type);
+  std::vector<std::byte> values(pixels * channels * bytes);
+  for (size_t c = 0; c < channels; ++c) {
+    if (planes[c].type != type)
+      put<float, uint16_t>(planes[c], c, channels, values, format::half_to_float);
+    else if (bytes == 2)
+      put<uint16_t, uint16_t>(planes[c], c, channels, values, std::identity());
+    else
+      put<uint32_t, uint32_t>(planes[c], c, channels, values, std::identity());
+  }
+  return values;
 }
 
 Result<void> require_complete(const format::SpoolReader& dump) {

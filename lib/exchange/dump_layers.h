@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,10 @@ namespace spool::exchange {
 
 PixelType pixel_type(format::DataType type);
 interchange::ElementType element_type(PixelType type);
+
+// The planes of a layer as [y][x][c], bit for bit where they have the type of the layer; half
+// floats may become floats.
+std::vector<std::byte> interleaved(std::span<const ExrPlane> planes, PixelType type);
 
 // kData when blocks are missing: an image has no place for holes.
 Result<void> require_complete(const format::SpoolReader& dump);

@@ -19,6 +19,16 @@ using interchange::ExportReport;
 
 namespace {
 
+enum class ExrNames {
+  kPlain,    // R, G, B and LAYER.COMPONENT, as OpenImageIO names them; comes back as it was
+  kBlender,  // ViewLayer.Combined.R, ViewLayer.DiffCol.R, ...
+  kRgb,      // R, G, B only
+};
+
+struct ExrFolderExportOptions : interchange::ExportOptions {
+  ExrNames names = ExrNames::kPlain;
+};
+
 constexpr uint64_t kImageBytes = uint64_t{512} << 20;  // of the images that are open together
 
 const std::map<std::string, std::string>& blender_names() {
@@ -193,8 +203,6 @@ Result<void> write_images(const format::SpoolReader& dump, const FolderPlan& pla
   return {};
 }
 
-}  // namespace
-
 Result<ExportReport> export_exr_folder(const std::filesystem::path& in,
                                        const std::filesystem::path& out,
                                        const ExrFolderExportOptions& options) {
@@ -229,6 +237,8 @@ Result<ExportReport> export_exr_folder(const std::filesystem::path& in,
   SPOOL_TRY(set.publish());
   return report;
 }
+
+}  // namespace
 
 interchange::ExportFormat exr_folder_target() {
   using O = ExrFolderExportOptions;

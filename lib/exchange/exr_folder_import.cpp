@@ -21,6 +21,10 @@ using interchange::ImportReport;
 
 namespace {
 
+struct ExrFolderImportOptions : interchange::ImportOptions {
+  LayerMap map;
+};
+
 constexpr const char* kPixelFile = "pixel_layers.exr";
 
 Result<std::vector<ExrPart>> parts_of(const std::filesystem::path& path) {
@@ -165,8 +169,6 @@ Result<std::vector<ExrAttributes>> read_images(const std::filesystem::path& in,
   return attributes;
 }
 
-}  // namespace
-
 Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
                                        const std::filesystem::path& out,
                                        const ExrFolderImportOptions& options) {
@@ -225,8 +227,6 @@ Result<ImportReport> import_exr_folder(const std::filesystem::path& in,
   report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
   return report;
 }
-
-namespace {
 
 // A name of one's own is a layer, too: only what is long enough to be one of the page misspelt, and
 // is none with something added, is not taken.

@@ -18,6 +18,11 @@ using interchange::ExportReport;
 
 namespace {
 
+struct OidnSetOptions : interchange::ExportOptions {
+  std::vector<uint32_t> spp;  // of the inputs; empty: 1, 2, 4, ... up to what was recorded
+  std::string name;           // empty: the stem of the recording
+};
+
 struct Feature {
   const char* layer;
   const char* suffix;
@@ -147,8 +152,6 @@ Result<format::FileSet> begin_set(const std::filesystem::path& in, const std::fi
   return format::FileSet::create(out, std::move(names), force, {in});
 }
 
-}  // namespace
-
 Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
                                      const std::filesystem::path& out,
                                      const OidnSetOptions& options) {
@@ -197,6 +200,8 @@ Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
   SPOOL_TRY(set.publish());
   return report;
 }
+
+}  // namespace
 
 interchange::ExportFormat oidn_target() {
   using O = OidnSetOptions;

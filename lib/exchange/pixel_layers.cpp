@@ -76,17 +76,6 @@ Result<void> check_pixel_file(const ExrPlanes& image, const std::optional<ToldDu
   return {};
 }
 
-// [y][x][c] of planes that make a layer.
-std::vector<std::byte> interleaved(std::span<const ExrPlane> planes) {
-  const size_t bytes = bytes_per_value(planes[0].type), channels = planes.size();
-  std::vector<std::byte> values(planes[0].values.size() * channels);
-  for (size_t c = 0; c < channels; ++c)
-    for (size_t p = 0; p < planes[c].values.size() / bytes; ++p)
-      std::copy_n(planes[c].values.begin() + static_cast<ptrdiff_t>(p * bytes), bytes,
-                  values.begin() + static_cast<ptrdiff_t>((p * channels + c) * bytes));
-  return values;
-}
-
 }  // namespace
 
 Result<void> read_pixel_layers(const std::optional<ToldDump>& told, const std::string& source,
@@ -115,7 +104,8 @@ Result<void> read_pixel_layers(const std::optional<ToldDump>& told, const std::s
       layer.components.push_back(split_channel(image.planes[last++].name).second);
     if (told) layer.semantics = told->semantics(layer_name);
     layer.semantics.resize(layer.semantics.empty() ? 0 : layer.components.size());
-    const auto values = interleaved(std::span(image.planes).subspan(first, last - first));
+    const auto values =
+        interleaved(std::span(image.planes).subspan(first, last - first), image.planes[first].type);
     SPOOL_TRY(scratch.write_at(end, values));
     layer.array.offset = end;
     layer.array.type = element_type(image.planes[first].type);

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
 
-#include "formats/half_float.h"
 #include "formats/record_layout.h"
 
 namespace spool::exchange {
@@ -39,33 +37,6 @@ Result<void> check_alike(const std::vector<ExrPart>& parts, const std::vector<Ex
                   file);
   }
   return {};
-}
-
-template <class To, class From, class Convert>
-void put(const ExrPlane& plane, size_t c, size_t channels, std::vector<std::byte>& values,
-         Convert&& convert) {
-  for (size_t p = 0; p < plane.values.size() / sizeof(From); ++p) {
-    From from;
-    std::memcpy(&from, &plane.values[p * sizeof(From)], sizeof(From));
-    const To to = convert(from);
-    std::memcpy(&values[(p * channels + c) * sizeof(To)], &to, sizeof(To));
-  }
-}
-
-// The planes of a layer as [y][x][c], bit for bit where they have the type of the layer.
-std::vector<std::byte> interleave(const std::vector<ExrPlane>& planes, PixelType type) {
-  const size_t channels = planes.size(), bytes = bytes_per_value(type);
-  const size_t pixels = planes[0].values.size() / bytes_per_value(planes[0].type);
-  std::vector<std::byte> values(pixels * channels * bytes);
-  for (size_t c = 0; c < channels; ++c) {
-    if (planes[c].type != type)
-      put<float, uint16_t>(planes[c], c, channels, values, format::half_to_float);
-    else if (bytes == 2)
-      put<uint16_t, uint16_t>(planes[c], c, channels, values, std::identity());
-    else
-      put<uint32_t, uint32_t>(planes[c], c, channels, values, std::identity());
-  }
-  return values;
 }
 
 // Three floats each; a value that is not finite makes its pixel so.
@@ -114,7 +85,7 @@ Result<SampleImage> read_sample_image(const std::filesystem::path& path,
                     source.name());
     }
     SPOOL_ASSIGN(const auto planes, source.read(part, channels));
-    image.layers.push_back(interleave(planes, layer.type));
+    image.layers.push_back(interleaved(planes, layer.type));
     if (layer.conversion) convert_colours(layer.conversion->matrix, image.layers.back());
   }
   return image;
