@@ -7,6 +7,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 
 #include <toml++/toml.h>
 
@@ -52,8 +53,7 @@ class PlanReader : private TomlReader {
     SPOOL_TRY(read_budgets(plan));
     SPOOL_TRY(read_experiment(plan));
     bool halves = true;
-    SPOOL_TRY(read_value("halves", halves,
-                         [](const std::string& text) { return parse_flag("halves", text); }));
+    SPOOL_TRY(read_flag("halves", halves));
     plan.experiment.halves = halves ? plan.measured_halves() : 0;
     SPOOL_TRY(read_options("pool", sanitise_option_table(), plan.rules));
     SPOOL_TRY(read_metrics(plan.experiment.metrics));
@@ -95,12 +95,54 @@ class PlanReader : private TomlReader {
     return {};
   }
 
+  Result<void> read_flag(const char* key, bool& value) const {
+    return read_value(key, value, [key](const std::string& text) { return parse_flag(key, text); });
+  }
+
+  // The values of a list; no two are alike.
+  template <class Value, class Parse>
+  Result<void> read_list(const char* key, const toml::node& node, std::vector<Value>& values,
+                         Parse&& parse) const {
+    for (const toml::node* item : values_of(node)) {
+      SPOOL_ASSIGN(const std::string text, text_of(*item));
+      SPOOL_ASSIGN(const Value value, at(*item, parse(text)));
+      if (std::ranges::find(values, value) != values.end())
+        return refuse(*item, "{} {} is there twice", key, value);
+      values.push_back(value);
+    }
+    return {};
+  }
+
+  // The texts of every table of a list, by their keys; `keys` are all that it may have, `all` says
+  // so in an error.
+  template <class Take>
+  Result<void> read_tables(const toml::node& tables, const std::string& what,
+                           const std::vector<std::string>& keys, const std::string& all,
+                           const char* write, Take&& take) const {
+    for (const toml::node* node : values_of(tables)) {
+      const toml::table* table = node->as_table();
+      if (!table) return refuse(*node, "{}", write);
+      std::map<std::string, std::string> texts;
+      for (const auto& [key, value] : *table) {
+        SPOOL_ASSIGN(texts[std::string(key.str())], text_of(value));
+        if (std::ranges::find(keys, key.str()) == keys.end())
+          return refuse(value, "{}", unknown_name("key of " + what, key.str(), keys, all));
+      }
+      SPOOL_TRY(take(*table, texts));
+    }
+    return {};
+  }
+
+  std::string path_of(const std::string& text) const {
+    return (folder_ / file_of_text(text)).lexically_normal().string();
+  }
+
   Result<void> read_recordings(Plan& plan) const {
     const toml::node* node = root_.get("recordings");
     if (node) {
       for (const toml::node* value : values_of(*node)) {
         SPOOL_ASSIGN(const std::string text, text_of(*value));
-        plan.recordings.push_back((folder_ / file_of_text(text)).lexically_normal().string());
+        plan.recordings.push_back(path_of(text));
       }
     }
     SPOOL_TRY(read_dumps(plan));
@@ -114,28 +156,16 @@ class PlanReader : private TomlReader {
   Result<void> read_dumps(Plan& plan) const {
     const toml::node* tables = root_.get("dump");
     if (!tables) return {};
-    for (const toml::node* node : values_of(*tables)) {
-      const toml::table* table = node->as_table();
-      if (!table) return refuse(*node, "write [[dump]] and below it file = ... and group = ...");
-      std::string file, group;
-      for (const auto& [key, value] : *table) {
-        SPOOL_ASSIGN(const std::string text, text_of(value));
-        if (key.str() == "file") {
-          file = text;
-        } else if (key.str() == "group") {
-          group = text;
-        } else {
-          return refuse(value, "{}",
-                        unknown_name("key of a recording", key.str(), {"file", "group"},
-                                     ": it has file and group"));
-        }
-      }
-      if (file.empty()) return refuse(*table, "this recording has no file");
-      plan.groups.resize(plan.recordings.size());
-      plan.recordings.push_back((folder_ / file_of_text(file)).lexically_normal().string());
-      plan.groups.push_back(group);
-    }
-    return {};
+    return read_tables(*tables, "a recording", {"file", "group"}, ": it has file and group",
+                       "write [[dump]] and below it file = ... and group = ...",
+                       [&](const toml::table& table, auto& texts) -> Result<void> {
+                         if (texts["file"].empty())
+                           return refuse(table, "this recording has no file");
+                         plan.groups.resize(plan.recordings.size());
+                         plan.recordings.push_back(path_of(texts["file"]));
+                         plan.groups.push_back(texts["group"]);
+                         return {};
+                       });
   }
 
   Result<void> read_energy_band(Plan& plan) const {
@@ -146,9 +176,7 @@ class PlanReader : private TomlReader {
     std::vector<double> ends;
     for (const toml::node* value : values) {
       SPOOL_ASSIGN(const std::string text, text_of(*value));
-      const auto end = parse_number("energy_band", text, 0.0, 1e6);
-      if (!end) return refuse(*value, "{}", end.error().message);
-      ends.push_back(*end);
+      SPOOL_ASSIGN(ends.emplace_back(), at(*value, parse_number("energy_band", text, 0.0, 1e6)));
     }
     if (!(ends[0] < ends[1])) return refuse(*node, "energy_band: the lower ratio comes first");
     plan.energy_band = {ends[0], ends[1]};
@@ -163,16 +191,9 @@ class PlanReader : private TomlReader {
     if (values_of(*node).size() > kMostValues) {
       return refuse(*node, "{} budgets: give at most {}", values_of(*node).size(), kMostValues);
     }
-    for (const toml::node* value : values_of(*node)) {
-      SPOOL_ASSIGN(const std::string text, text_of(*value));
-      const auto budget = parse_number("spp", text, 1e-3, 65536.0);
-      if (!budget) return refuse(*value, "{}", budget.error().message);
-      if (std::ranges::find(plan.spp, *budget) != plan.spp.end()) {
-        return refuse(*value, "spp {} is there twice", *budget);
-      }
-      plan.spp.push_back(*budget);
-    }
-    return {};
+    return read_list("spp", *node, plan.spp, [](const std::string& text) {
+      return parse_number("spp", text, 1e-3, 65536.0);
+    });
   }
 
   Result<void> read_experiment(Plan& plan) const {
@@ -186,13 +207,9 @@ class PlanReader : private TomlReader {
                          integer("pieces_per_side", 1, 2)));
     SPOOL_TRY(read_value("repeats", plan.experiment.repeats, integer("repeats", 1, 1000)));
     SPOOL_TRY(read_threads(plan));
-    SPOOL_TRY(read_value("pictures", plan.pictures,
-                         [](const std::string& text) { return parse_flag("pictures", text); }));
-    SPOOL_TRY(
-        read_value("decision_split", plan.experiment.decision_split,
-                   [](const std::string& text) { return parse_flag("decision_split", text); }));
-    SPOOL_TRY(read_value("fresh", plan.experiment.fresh,
-                         [](const std::string& text) { return parse_flag("fresh", text); }));
+    SPOOL_TRY(read_flag("pictures", plan.pictures));
+    SPOOL_TRY(read_flag("decision_split", plan.experiment.decision_split));
+    SPOOL_TRY(read_flag("fresh", plan.experiment.fresh));
     SPOOL_TRY(read_value("reference", plan.experiment.reference, parse_reference_kind));
     return read_value(
         "order", plan.experiment.order, [](const std::string& text) -> Result<ReplicateOrder> {
@@ -208,15 +225,9 @@ class PlanReader : private TomlReader {
     const toml::node* node = root_.get("threads");
     if (!node) return {};
     plan.threads.clear();
-    for (const toml::node* value : values_of(*node)) {
-      SPOOL_ASSIGN(const std::string text, text_of(*value));
-      const auto threads = parse_integer("threads", text, 0, 1024);
-      if (!threads) return refuse(*value, "{}", threads.error().message);
-      if (std::ranges::find(plan.threads, *threads) != plan.threads.end()) {
-        return refuse(*value, "threads {} is there twice", *threads);
-      }
-      plan.threads.push_back(*threads);
-    }
+    SPOOL_TRY(read_list("threads", *node, plan.threads, [](const std::string& text) {
+      return parse_integer("threads", text, 0, 1024);
+    }));
     if (plan.threads.empty()) return refuse(*node, "'threads' has no value to sweep over");
     return {};
   }
@@ -238,33 +249,21 @@ class PlanReader : private TomlReader {
   Result<void> read_masks(Plan& plan) const {
     const toml::node* tables = root_.get("mask");
     if (!tables) return {};
-    const std::vector<std::string> known = {"name", "file", "recording"};
-    for (const toml::node* node : values_of(*tables)) {
-      const toml::table* table = node->as_table();
-      if (!table) return refuse(*node, "write [[mask]] and below it name = ... and file = ...");
-      EnergyMask mask;
-      for (const auto& [key, value] : *table) {
-        SPOOL_ASSIGN(const std::string text, text_of(value));
-        if (key.str() == "name") {
-          mask.name = text;
-        } else if (key.str() == "file") {
-          mask.path = (folder_ / file_of_text(text)).lexically_normal().string();
-        } else if (key.str() == "recording") {
-          mask.recording = std::filesystem::path(file_of_text(text)).filename().string();
-        } else {
-          return refuse(
-              value, "{}",
-              unknown_name("key of a mask", key.str(), known, ": it has name, file and recording"));
-        }
-      }
+    const auto take = [&](const toml::table& table, auto& texts) -> Result<void> {
+      EnergyMask mask{texts["name"], "", texts["file"], {}};
       if (mask.name.find_first_of(" =") != std::string::npos || mask.name.empty() ||
           mask.path.empty()) {
-        return refuse(*table, "a mask requires a name without spaces and a file");
+        return refuse(table, "a mask requires a name without spaces and a file");
       }
-      SPOOL_TRY(at(*table, check_mask(plan, mask)));
+      mask.path = path_of(mask.path);
+      mask.recording = std::filesystem::path(file_of_text(texts["recording"])).filename().string();
+      SPOOL_TRY(at(table, check_mask(plan, mask)));
       plan.experiment.masks.push_back(std::move(mask));
-    }
-    return {};
+      return {};
+    };
+    return read_tables(*tables, "a mask", {"name", "file", "recording"},
+                       ": it has name, file and recording",
+                       "write [[mask]] and below it name = ... and file = ...", take);
   }
 
   Result<void> read_baseline(Plan& plan) const {

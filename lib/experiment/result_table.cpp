@@ -29,6 +29,22 @@ ResultColumn timing_column(std::string name, std::string meaning, Value value) {
   return number_column(std::move(name), std::move(meaning), value, ColumnKind::kTiming);
 }
 
+// The processor time of a stage, and the spread of its repeats.
+ResultColumn cpu_column(const std::string& stage, const std::string& work,
+                        StageTime CellResult::* time) {
+  return timing_column("cpu_" + stage, "CPU time of " + work + ", all threads",
+                       [time](const CellResult& r) { return (r.*time).cpu; });
+}
+ResultColumn wall_column(const std::string& stage, std::string meaning,
+                         StageTime CellResult::* time) {
+  return timing_column("seconds_" + stage, std::move(meaning),
+                       [time](const CellResult& r) { return (r.*time).wall; });
+}
+ResultColumn spread_column(const std::string& stage, StageTime CellResult::* time) {
+  return timing_column("seconds_" + stage + "_spread", "its slowest less its fastest repeat",
+                       [time](const CellResult& r) { return (r.*time).spread; });
+}
+
 template <class Text>
 ResultColumn text_column(std::string name, std::string meaning, Text text,
                          ColumnKind kind = ColumnKind::kResult) {
@@ -192,39 +208,30 @@ std::vector<ResultColumn> sample_columns() {
 std::vector<ResultColumn> time_columns() {
   using R = CellResult;
   return {
-      timing_column("seconds_sampling",
-                    "wall time of the sampler, shared by all filters of its run; the median where "
-                    "the plan repeats it",
-                    [](const R& r) { return r.sampling.wall; }),
-      timing_column("seconds_sampling_spread", "its slowest less its fastest repeat",
-                    [](const R& r) { return r.sampling.spread; }),
-      timing_column("cpu_sampling", "CPU time of the sampler, all threads",
-                    [](const R& r) { return r.sampling.cpu; }),
-      timing_column("seconds_filtering",
-                    "wall time of the filter, its analysis of the statistics included; the median "
-                    "where the plan repeats it",
-                    [](const R& r) { return r.filtering.wall; }),
-      timing_column("seconds_filtering_spread", "its slowest less its fastest repeat",
-                    [](const R& r) { return r.filtering.spread; }),
-      timing_column("cpu_filtering", "CPU time of the filter, all threads",
-                    [](const R& r) { return r.filtering.cpu; }),
+      wall_column("sampling",
+                  "wall time of the sampler, shared by all filters of its run; the median where "
+                  "the plan repeats it",
+                  &R::sampling),
+      spread_column("sampling", &R::sampling),
+      cpu_column("sampling", "the sampler", &R::sampling),
+      wall_column("filtering",
+                  "wall time of the filter, its analysis of the statistics included; the median "
+                  "where the plan repeats it",
+                  &R::filtering),
+      spread_column("filtering", &R::filtering),
+      cpu_column("filtering", "the filter", &R::filtering),
       timing_column("seconds_exchange",
                     "of sampling and filtering, wall time to start a command (until it opens its "
                     "input) and to write and read its files; 0 without commands. The rest is the "
                     "method's own",
                     [](const R& r) { return r.exchange_seconds; }),
-      timing_column("seconds_reading", "wall time of loading the recording, 0 when already loaded",
-                    [](const R& r) { return r.reading.wall; }),
-      timing_column("cpu_reading", "CPU time of loading the recording, all threads",
-                    [](const R& r) { return r.reading.cpu; }),
-      timing_column("seconds_judging", "wall time of the metrics",
-                    [](const R& r) { return r.judging.wall; }),
-      timing_column("cpu_judging", "CPU time of the metrics, all threads",
-                    [](const R& r) { return r.judging.cpu; }),
-      timing_column("seconds_writing", "wall time of writing the images of replicate 0",
-                    [](const R& r) { return r.writing.wall; }),
-      timing_column("cpu_writing", "CPU time of writing the images, all threads",
-                    [](const R& r) { return r.writing.cpu; }),
+      wall_column("reading", "wall time of loading the recording, 0 when already loaded",
+                  &R::reading),
+      cpu_column("reading", "loading the recording", &R::reading),
+      wall_column("judging", "wall time of the metrics", &R::judging),
+      cpu_column("judging", "the metrics", &R::judging),
+      wall_column("writing", "wall time of writing the images of replicate 0", &R::writing),
+      cpu_column("writing", "writing the images", &R::writing),
       number_column("seconds_per_sample",
                     "render time of a sample as recorded; empty: not recorded",
                     [](const R& r) { return r.cost_per_sample.value_or(std::nan("")); }),
