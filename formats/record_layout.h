@@ -116,6 +116,9 @@ inline constexpr std::string_view kTypeMeta = "meta";
 
 enum class DataType : uint16_t { kFloat16 = 1, kFloat32 = 2, kUint32 = 3 };
 enum class Scope : uint16_t { kSample = 0, kPixel = 1, kPass = 2 };
+// As texts write them: in the order of their numbers.
+inline constexpr std::array<std::string_view, 4> kDataTypeNames = {"", "f16", "f32", "u32"};
+inline constexpr std::array<std::string_view, 3> kScopeNames = {"sample", "pixel", "pass"};
 enum class SampleOrder : uint32_t { kRenderer = 0, kExchangeable = 1 };
 enum class PixelFilter : uint32_t { kBox = 0 };
 enum class ColourSpace : uint32_t { kLinearRec709 = 0 };

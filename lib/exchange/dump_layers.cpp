@@ -18,9 +18,6 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::array<std::string_view, 3> kScopes = {"sample", "pixel", "pass"};
-constexpr std::array<std::string_view, 4> kTypes = {"", "f16", "f32", "u32"};
-
 uint64_t values_of(const LayerInfo& layer, const format::DumpHeader& header) {
   const uint64_t pixels = uint64_t{header.width} * header.height;
   return (layer.scope == Scope::kPass ? 1 : pixels) *
@@ -92,9 +89,9 @@ ExrAttributes describe_dump(const format::SpoolReader& dump) {
   for (const format::ChannelInfo& channel : dump.header().channels)
     channels.push_back({{"name", channel.name},
                         {"group", channel.group},
-                        {"dtype", kTypes[static_cast<size_t>(channel.type)]},
+                        {"dtype", format::kDataTypeNames[static_cast<size_t>(channel.type)]},
                         {"semantic", channel.semantic},
-                        {"scope", kScopes[static_cast<size_t>(channel.scope)]}});
+                        {"scope", format::kScopeNames[static_cast<size_t>(channel.scope)]}});
   json meta = json::object();
   for (const std::string& text : dump.meta())
     meta.update(format::parse_json(text));
@@ -130,14 +127,15 @@ Result<std::vector<ToldChannel>> told_channels(const json& channels, const std::
     if (!channel.is_object()) return makes_no_sense(name, "spoolChannels");
     const json given = channel.value("name", json()), scope = channel.value("scope", json()),
                semantic = channel.value("semantic", json(0U));
-    const auto known = std::find(kScopes.begin(), kScopes.end(),
+    const auto known = std::find(format::kScopeNames.begin(), format::kScopeNames.end(),
                                  scope.is_string() ? scope.get<std::string>() : "");
-    if (!given.is_string() || known == kScopes.end() || !semantic.is_number_unsigned() ||
+    if (!given.is_string() || known == format::kScopeNames.end() ||
+        !semantic.is_number_unsigned() ||
         semantic.get<uint64_t>() > static_cast<uint64_t>(format::Semantic::kBits))
       return makes_no_sense(name, "spoolChannels");
     auto [layer, component] = split_channel(given.get<std::string>());
-    told.push_back(
-        {layer, component, static_cast<Scope>(known - kScopes.begin()), semantic.get<uint16_t>()});
+    told.push_back({layer, component, static_cast<Scope>(known - format::kScopeNames.begin()),
+                    semantic.get<uint16_t>()});
     const bool same = told.size() > 1 && told[told.size() - 2].layer == layer;
     const auto group = together.empty() ? 0 : together.back().group + (same ? 0 : 1);
     together.push_back({given.get<std::string>(), static_cast<uint16_t>(group),

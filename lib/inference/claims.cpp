@@ -1,6 +1,7 @@
 #include "lib/inference/claims.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -25,19 +26,9 @@ bool Claim::asks(double budget, int at_threads) const {
 }
 
 std::string_view claim_verdict_name(ClaimVerdict verdict) {
-  switch (verdict) {
-    case ClaimVerdict::kUnknown:
-      return "not compared";
-    case ClaimVerdict::kUndecided:
-      return "undecided";
-    case ClaimVerdict::kHolds:
-      return "holds";
-    case ClaimVerdict::kReversed:
-      return "reversed";
-    case ClaimVerdict::kMixed:
-      return "mixed";
-  }
-  return "";
+  constexpr std::array<std::string_view, 5> kNames = {"not compared", "undecided", "holds",
+                                                      "reversed", "mixed"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 std::vector<JudgedClaim> judge_claims(std::span<const Comparison> comparisons,

@@ -1,6 +1,7 @@
 #include "lib/inference/comparison.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lib/core/check.h"
@@ -220,19 +221,9 @@ MoreNeeded more_needed(const Comparison& comparison, int recordings, double leve
 }
 
 std::string_view verdict_name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kUnknown:
-      return "not compared";
-    case Verdict::kIdentical:
-      return "identical";
-    case Verdict::kUndecided:
-      return "undecided";
-    case Verdict::kBetter:
-      return "better";
-    case Verdict::kWorse:
-      return "worse";
-  }
-  return "";
+  constexpr std::array<std::string_view, 5> kNames = {"not compared", "identical", "undecided",
+                                                      "better", "worse"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 Verdict verdict_of(const Comparison& comparison, double p, double significance) {

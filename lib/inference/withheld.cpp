@@ -1,29 +1,18 @@
 #include "lib/inference/withheld.h"
 
+#include <array>
+
 namespace spool {
 
 std::string_view withheld_name(Withheld withheld) {
-  switch (withheld) {
-    case Withheld::kNo:
-      return "";
-    case Withheld::kFewPixels:
-      return "few pixels";
-    case Withheld::kReferenceNoise:
-      return "reference noise";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> kNames = {"", "few pixels", "reference noise"};
+  return kNames[static_cast<std::size_t>(withheld)];
 }
 
 std::string_view withheld_remedy(Withheld withheld) {
-  switch (withheld) {
-    case Withheld::kNo:
-      return "";
-    case Withheld::kFewPixels:
-      return "record the scene three times or more";
-    case Withheld::kReferenceNoise:
-      return "record a longer reference, or compare mse";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> kRemedies = {
+      "", "record the scene three times or more", "record a longer reference, or compare mse"};
+  return kRemedies[static_cast<std::size_t>(withheld)];
 }
 
 Withheld withheld_of(const ErrorStanding& standing) {

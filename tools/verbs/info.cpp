@@ -18,30 +18,6 @@ using nlohmann::ordered_json;
 
 constexpr std::size_t kLongestRemark = 100;  // bytes, in the listing
 
-const char* type_name(format::DataType type) {
-  switch (type) {
-    case format::DataType::kFloat16:
-      return "f16";
-    case format::DataType::kFloat32:
-      return "f32";
-    case format::DataType::kUint32:
-      return "u32";
-  }
-  return "?";
-}
-
-const char* scope_name(format::Scope scope) {
-  switch (scope) {
-    case format::Scope::kSample:
-      return "sample";
-    case format::Scope::kPixel:
-      return "pixel";
-    case format::Scope::kPass:
-      return "pass";
-  }
-  return "?";
-}
-
 std::string hex(const std::array<std::uint8_t, 16>& bytes) {
   std::string text;
   for (const std::uint8_t byte : bytes)
@@ -56,8 +32,8 @@ ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
   for (const format::LayerInfo& layer : reader.layers()) {
     layers.push_back({{"name", layer.name},
                       {"components", layer.components},
-                      {"type", type_name(layer.type)},
-                      {"scope", scope_name(layer.scope)},
+                      {"type", format::kDataTypeNames[static_cast<std::size_t>(layer.type)]},
+                      {"scope", format::kScopeNames[static_cast<std::size_t>(layer.scope)]},
                       {"group", layer.group}});
   }
   const ordered_json meta = merged_meta(reader);
