@@ -3,9 +3,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <memory>
+
+#include <lz4frame.h>
 
 #include "formats/byte_io.h"
-#include "formats/interchange/lz4_frame.h"
 #include "formats/other_kinds.h"
 #include "formats/record_layout.h"
 
@@ -15,6 +17,8 @@ namespace {
 using format::load;
 
 constexpr size_t kHeaderBytes = 60;
+// LZ4 cannot say more than this many bytes with one: what claims more lies, before memory is taken.
+constexpr size_t kMaxLz4Expansion = 255;
 constexpr int32_t kMaxTile = 1024;
 enum Field : size_t {
   kVersion = 0,
@@ -61,6 +65,35 @@ Result<void> check_fields(std::span<const std::byte> bytes, const std::string& n
   for (const auto& [at, side] : {std::pair{kTileX, kWidth}, std::pair{kTileY, kHeight}})
     if (field(at) < 0 || field(at) >= field(side) || field(at) % field(kTileSize) != 0)
       return refuse(at, "place of the tile");
+  return {};
+}
+
+// Decodes exactly one LZ4 frame [Lz4Frame] that is all of `stored` into all of `out`; kDamage
+// otherwise. `name` opens the message: "FILE: tile frame 3".
+Result<void> decode_lz4_frame(std::span<const std::byte> stored, std::span<std::byte> out,
+                              std::string_view name) {
+  LZ4F_dctx* raw = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION)))
+    return fail(ErrorCode::kIo, "{}: no memory for a decoder: free some", name);
+  const std::unique_ptr<LZ4F_dctx, LZ4F_errorCode_t (*)(LZ4F_dctx*)> context(
+      raw, LZ4F_freeDecompressionContext);
+  size_t taken = 0, given = 0, hint = 1;
+  while (hint != 0) {
+    size_t space = out.size() - given, left = stored.size() - taken;
+    hint = LZ4F_decompress(context.get(), out.data() + given, &space, stored.data() + taken, &left,
+                           nullptr);
+    if (LZ4F_isError(hint))
+      return fail(ErrorCode::kDamage, "{}: not an LZ4 frame ({}): fetch the file again", name,
+                  LZ4F_getErrorName(hint));
+    given += space;
+    taken += left;
+    if (hint != 0 && space == 0 && left == 0) break;  // requires more than there is, or more room
+  }
+  if (hint != 0 || given != out.size() || taken != stored.size())
+    return fail(
+        ErrorCode::kDamage,
+        "{}: the frame gives {} of {} bytes and {} of its own are left: the file is damaged", name,
+        given, out.size(), stored.size() - taken);
   return {};
 }
 

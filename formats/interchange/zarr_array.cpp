@@ -1,8 +1,12 @@
 #include "formats/interchange/zarr_array.h"
 
 #include <algorithm>
+#include <cstring>
 
+#include <blosc.h>
 #include <fmt/format.h>
+#include <zlib.h>
+#include <zstd.h>
 
 #include "formats/bounded_json.h"
 #include "formats/checked_math.h"
@@ -46,6 +50,53 @@ Result<ChunkCompressor> compressor_of(const json& about, const std::string& name
   if (id == "zlib") return ChunkCompressor::kZlib;
   return fail(ErrorCode::kData, "{}: compressor {}: store it with blosc, zstd, zlib or none", name,
               id.dump(-1, ' ', true, json::error_handler_t::replace));
+}
+
+bool decode_blosc(std::span<const std::byte> stored, std::span<std::byte> out) {
+  size_t bytes = 0;
+  // Verifies the header and that `stored` is all of the buffer, before the decoder reads it.
+  if (blosc_cbuffer_validate(stored.data(), stored.size(), &bytes) != 0 || bytes != out.size())
+    return false;
+  const int given = blosc_decompress_ctx(stored.data(), out.data(), out.size(), 1);
+  return given >= 0 && static_cast<size_t>(given) == out.size();
+}
+
+bool decode_zstd(std::span<const std::byte> stored, std::span<std::byte> out) {
+  const size_t given = ZSTD_decompress(out.data(), out.size(), stored.data(), stored.size());
+  return ZSTD_isError(given) == 0 && given == out.size();
+}
+
+bool decode_zlib(std::span<const std::byte> stored, std::span<std::byte> out) {
+  uLongf given = out.size();
+  return uncompress(reinterpret_cast<Bytef*>(out.data()), &given,
+                    reinterpret_cast<const Bytef*>(stored.data()), stored.size()) == Z_OK &&
+         given == out.size();
+}
+
+// Decodes `stored` into all of `out`, whose size is known from the array's shape; kDamage when it
+// gives another number of bytes. `name` opens the message.
+Result<void> decode_chunk(ChunkCompressor compressor, std::span<const std::byte> stored,
+                          std::span<std::byte> out, std::string_view name) {
+  bool decoded = false;
+  switch (compressor) {
+    case ChunkCompressor::kNone:
+      decoded = stored.size() == out.size();
+      if (decoded) std::memcpy(out.data(), stored.data(), out.size());
+      break;
+    case ChunkCompressor::kBlosc:
+      decoded = decode_blosc(stored, out);
+      break;
+    case ChunkCompressor::kZstd:
+      decoded = decode_zstd(stored, out);
+      break;
+    case ChunkCompressor::kZlib:
+      decoded = decode_zlib(stored, out);
+      break;
+  }
+  if (decoded) return {};
+  return fail(ErrorCode::kDamage,
+              "{}: {} bytes do not decode to the {} of its shape: the file is damaged", name,
+              stored.size(), out.size());
 }
 
 }  // namespace

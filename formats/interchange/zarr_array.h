@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "formats/interchange/expansion.h"
-#include "formats/interchange/zarr_chunk.h"
 #include "formats/interchange/zip_directory.h"
 #include "lib/core/error.h"
 
 namespace spool::interchange {
+
+enum class ChunkCompressor { kNone, kBlosc, kZstd, kZlib };
 
 struct ZarrArray {
   std::string name;

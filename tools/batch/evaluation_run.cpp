@@ -30,8 +30,6 @@
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
 #include "tools/batch/run_tasks.h"
-#include "tools/batch/runs_at_once.h"
-#include "tools/batch/study_sources.h"
 #include "tools/batch/time_estimate.h"
 #include "tools/json/study_json.h"
 #include "tools/methods/external_methods.h"

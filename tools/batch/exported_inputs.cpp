@@ -15,7 +15,6 @@
 #include "tools/batch/given_images.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_tasks.h"
-#include "tools/batch/runs_at_once.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
 #include "tools/methods/replicate_images.h"

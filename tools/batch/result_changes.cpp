@@ -6,7 +6,6 @@
 #include "lib/experiment/plan_cells.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/run_folder.h"
-#include "tools/batch/study_sources.h"
 #include "tools/methods/method_settings.h"
 
 namespace spool::tools {

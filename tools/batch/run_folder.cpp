@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -12,6 +13,7 @@
 #include "lib/experiment/plan_reader.h"
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/methods/external_methods.h"
+#include "tools/methods/replicate_images.h"
 
 namespace spool::tools {
 
@@ -89,6 +91,21 @@ Result<Plan> kept_plan(const fs::path& folder) {
                 folder.string());
   }
   return read_plan(folder / "plan.toml", {known_samplers(), known_filters(), true});
+}
+
+StudySources study_sources(const CellStore& store, const Plan& plan) {
+  return {[&store, cells = PlanCells(plan)](const Cell& cell) {
+            return store.read(cell_id(cells.number(cell)), cell);
+          },
+          [](const std::string& recording) {
+            const auto reader = format::SpoolReader::open(recording);
+            return reader ? static_cast<double>(reader->header().spp)
+                          : std::numeric_limits<double>::quiet_NaN();
+          },
+          [](const MethodChoice& filter) {
+            const Filter* method = find_method(known_filters(), filter.name);
+            return method != nullptr && !method->needs.samples && !is_of_replicates(filter);
+          }};
 }
 
 Result<NamedCells> name_cells(const Plan& plan) {

@@ -9,6 +9,7 @@
 
 #include "lib/core/error.h"
 #include "lib/experiment/plan_cells.h"
+#include "lib/study/method_results.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/dump_identity.h"
 #include "tools/batch/run_request.h"
@@ -35,6 +36,9 @@ class NamedCells {
 
 // The plan whose results lie in a folder; kIo where it is not what spool evaluate wrote.
 Result<Plan> kept_plan(const std::filesystem::path& folder);
+
+// Where a study takes the results of the plan from: the finished cells. Both must outlive it.
+StudySources study_sources(const CellStore& store, const Plan& plan);
 
 // kUsage when two cells would have one name.
 Result<NamedCells> name_cells(const Plan& plan);

@@ -1,4 +1,5 @@
-// The sampling runs of a plan with what they are expected to cost, and those that a run does.
+// The sampling runs of a plan with what they are expected to cost, those that a run does, and how
+// many results are made beside each other.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "lib/core/error.h"
+#include "lib/core/working_memory.h"
 #include "lib/experiment/plan_shares.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_request.h"
@@ -28,5 +30,10 @@ struct TasksLeft {
   int threads = 0;             // the most that a cell is to be timed with; 0: none says
 };
 Result<TasksLeft> tasks_left(const RunRequest& request);
+
+// As many results beside each other as there are threads, where the picture is small and memory
+// allows it; one where a plan runs commands of users, with threads and time limits of their own.
+// `each`: the memory of one of them.
+int runs_at_once(const Plan& plan, const RecordedSamples& recording, const WorkingMemory& each);
 
 }  // namespace spool::tools

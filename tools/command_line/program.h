@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/manual/completion.h"
-#include "tools/manual/manual_verbs.h"
+#include "tools/manual/man_page.h"
 #include "tools/show/show.h"
 #include "tools/terminal/console.h"
 #include "tools/verbs/check.h"

@@ -186,4 +186,10 @@ Result<std::string> completion_script(const ProgramText& program, std::string_vi
   return fail(ErrorCode::kUsage, "{}", unknown_name("shell", shell, completion_shells()));
 }
 
+Result<void> run_completion(const CompletionOptions& options, const ProgramText& program) {
+  SPOOL_ASSIGN(const std::string script, completion_script(program, options.shell));
+  print(script);
+  return {};
+}
+
 }  // namespace spool::tools

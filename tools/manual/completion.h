@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "lib/core/error.h"
 #include "tools/manual/program_text.h"
+#include "tools/terminal/console.h"
 
 namespace spool::tools {
 
@@ -14,5 +14,10 @@ const std::vector<std::string>& completion_shells();  // bash, zsh, fish
 
 // The script that the shell reads. Error kUsage: another shell.
 Result<std::string> completion_script(const ProgramText& program, std::string_view shell);
+
+struct CompletionOptions {
+  std::string shell;
+};
+Result<void> run_completion(const CompletionOptions& options, const ProgramText& program);
 
 }  // namespace spool::tools

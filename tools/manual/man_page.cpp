@@ -5,8 +5,16 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "lib/core/nearest_name.h"
+#include "lib/image_io/atomic_file.h"
+
 namespace spool::tools {
 namespace {
+
+struct ManPage {
+  std::string file;  // "spool-evaluate.1"
+  std::string text;  // roff, with the macros of man(7)
+};
 
 // Text that roff takes as it stands: no escapes, no requests, hyphens that can be copied.
 std::string plain(std::string_view text) {
@@ -95,8 +103,7 @@ ManPage page_of(const ProgramText& program, const VerbText& verb) {
   return {name + ".1", text};
 }
 
-}  // namespace
-
+// spool(1), then spool-VERB(1) of each verb, in the program's order.
 std::vector<ManPage> man_pages(const ProgramText& program) {
   std::string text = heading(program, program.name);
   text += fmt::format(".SH NAME\n{} \\- adaptive sampling and reconstruction on recorded samples\n",
@@ -112,6 +119,35 @@ std::vector<ManPage> man_pages(const ProgramText& program) {
   for (const VerbText& verb : program.verbs)
     pages.push_back(page_of(program, verb));
   return pages;
+}
+
+Result<void> write_pages(const std::vector<ManPage>& pages, const std::filesystem::path& folder,
+                         bool overwrite) {
+  std::error_code status;
+  std::filesystem::create_directories(folder, status);
+  for (const ManPage& page : pages)
+    SPOOL_TRY(write_text_file(folder / page.file, page.text, overwrite));
+  return {};
+}
+
+}  // namespace
+
+Result<void> run_man(const ManOptions& options, const CommonOptions& common,
+                     const ProgramText& program) {
+  const std::vector<ManPage> pages = man_pages(program);
+  if (!options.output.empty()) return write_pages(pages, options.output, common.force);
+  if (options.verb.empty()) {
+    print(pages.front().text);
+    return {};
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < program.verbs.size(); ++i) {
+    names.push_back(program.verbs[i].name);
+    if (names.back() != options.verb) continue;
+    print(pages[i + 1].text);
+    return {};
+  }
+  return fail(ErrorCode::kUsage, "{}", unknown_name("verb", options.verb, names));
 }
 
 }  // namespace spool::tools

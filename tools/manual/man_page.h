@@ -1,19 +1,20 @@
 // `spool man`: the program's manual pages, from what its verbs say of themselves.
 #pragma once
 
+#include <filesystem>
 #include <string>
-#include <vector>
 
 #include "tools/manual/program_text.h"
+#include "tools/terminal/console.h"
 
 namespace spool::tools {
 
-struct ManPage {
-  std::string file;  // "spool-evaluate.1"
-  std::string text;  // roff, with the macros of man(7)
+struct ManOptions {
+  std::string verb;              // empty: the program's own page
+  std::filesystem::path output;  // a folder for all pages; empty: one page to stdout
 };
 
-// spool(1), then spool-VERB(1) of each verb, in the program's order.
-std::vector<ManPage> man_pages(const ProgramText& program);
+Result<void> run_man(const ManOptions& options, const CommonOptions& common,
+                     const ProgramText& program);
 
 }  // namespace spool::tools
