@@ -136,9 +136,7 @@ Result<void> add_tile(const format::SpoolReader& dump, uint32_t tile, const Coun
 }
 
 ExrFile bins_file(std::span<const Plane> planes) {
-  ExrFile file;
-  file.width = planes[0].width();
-  file.height = planes[0].height();
+  ExrFile file{planes[0].width(), planes[0].height(), {}};
   for (size_t i = 0; i < planes.size(); ++i)
     file.channels.push_back({fmt::format("Bin_{:04}", i), PixelType::kFloat, planes[i]});
   return file;

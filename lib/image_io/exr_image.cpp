@@ -133,11 +133,15 @@ Result<void> write_exr(const std::filesystem::path& path, ExrFile&& image,
 }
 
 ExrFile exr_from_rgb(RgbImage rgb) {
-  ExrFile file;
-  file.width = rgb[0].width();
-  file.height = rgb[0].height();
+  ExrFile file{rgb[0].width(), rgb[0].height(), {}};
   for (std::size_t c = 0; c < 3; ++c)
     file.channels.push_back({std::string(1, "RGB"[c]), PixelType::kFloat, std::move(rgb[c])});
+  return file;
+}
+
+ExrFile exr_from_plane(std::string channel, Plane plane, PixelType type) {
+  ExrFile file{plane.width(), plane.height(), {}};
+  file.channels.push_back({std::move(channel), type, std::move(plane)});
   return file;
 }
 

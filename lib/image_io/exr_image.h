@@ -53,6 +53,7 @@ Result<void> write_exr(const std::filesystem::path& path, ExrFile&& image,
 
 // An image whose channels are R, G, B (float).
 ExrFile exr_from_rgb(RgbImage rgb);
+ExrFile exr_from_plane(std::string channel, Plane plane, PixelType type = PixelType::kFloat);
 
 // Every half, float and uint is a double, exactly.
 Plane to_doubles(const ExrPlane& plane, int width, int height);

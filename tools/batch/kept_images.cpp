@@ -97,12 +97,6 @@ Result<void> read_result(const fs::path& folder, KeptResult& kept) {
   return {};
 }
 
-Result<void> write_flip(const fs::path& folder, const Plane& flip) {
-  ExrFile file{flip.width(), flip.height(), {}};
-  file.channels.push_back({"flip", PixelType::kFloat, flip});
-  return write_exr(folder / "flip.exr", file, kReplace);
-}
-
 // Completes the maps of a result, and draws it.
 Result<void> make_pictures(const fs::path& folder, bool draw) {
   KeptResult kept;
@@ -112,7 +106,8 @@ Result<void> make_pictures(const fs::path& folder, bool draw) {
       picture_scale(images.reference, kept.estimate, kDensityRange * kept.spp);
   const bool had_flip = images.flip.has_value();
   complete_maps(images, scale.exposure);
-  if (images.flip && !had_flip) SPOOL_TRY(write_flip(folder, *images.flip));
+  if (images.flip && !had_flip)
+    SPOOL_TRY(write_exr(folder / "flip.exr", exr_from_plane("flip", *images.flip), kReplace));
   // An older program, which wrote no title, drew at once.
   if (!draw || images.title.empty()) return {};
   SPOOL_TRY(write_contact_sheet(folder.string() + ".png", images, scale, true, true));

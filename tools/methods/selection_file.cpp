@@ -158,9 +158,7 @@ Result<void> write_selection(const std::filesystem::path& path, const Selection&
                              const SelectionInfo& info, bool overwrite, const Views* views) {
   const CountImage& n = selection.statistics.n;
   const AnalysisSignal& signal = selection.statistics.signal;
-  ExrFile file;
-  file.width = n.width();
-  file.height = n.height();
+  ExrFile file{n.width(), n.height(), {}};
   file.number_attributes = {{"spool.holdout", info.pool.holdout},
                             {"spool.pieces_per_side", info.pool.pieces_per_side}};
   add_selection(file, "", selection);

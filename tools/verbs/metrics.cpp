@@ -156,9 +156,9 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
                     counted(table.pixels, "pixel"), table.relative_scale));
   }
   if (!options.error_map.empty()) {
-    ExrFile map{image[0].width(), image[0].height(), {}};
-    map.channels.push_back({"Y", PixelType::kFloat, squared_error_map(image, reference)});
-    Result<void> written = write_exr(options.error_map, map, {.overwrite = common.force});
+    Result<void> written =
+        write_exr(options.error_map, exr_from_plane("Y", squared_error_map(image, reference)),
+                  {.overwrite = common.force});
     if (!written && written.error().code == ErrorCode::kData)
       written.error().message += ": scale both images down";
     SPOOL_TRY(written);

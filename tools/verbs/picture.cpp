@@ -1,8 +1,8 @@
 #include "tools/verbs/picture.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "formats/target_watch.h"
 #include "lib/core/counted.h"
@@ -18,20 +18,14 @@ namespace spool::tools {
 namespace {
 
 Result<ValueRange> parse_range(const std::string& text, bool log) {
-  ValueRange range{0.0, 0.0, log};
-  const std::vector<std::string> parts = split_list(text);
-  bool good = parts.size() == 2;
-  const std::array<double*, 2> ends = {&range.low, &range.high};
-  for (std::size_t i = 0; good && i < 2; ++i) {
-    const char* end = parts[i].data() + parts[i].size();
-    const auto parsed = std::from_chars(parts[i].data(), end, *ends[i]);
-    good = parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(*ends[i]);
+  constexpr double kMost = std::numeric_limits<double>::max();
+  if (const std::vector<std::string> parts = split_list(text); parts.size() == 2) {
+    const auto low = parse_number("--range", parts[0], -kMost, kMost);
+    const auto high = parse_number("--range", parts[1], -kMost, kMost);
+    if (low && high && *low < *high && (!log || *low > 0.0)) return ValueRange{*low, *high, log};
   }
-  if (!good || range.low >= range.high || (log && range.low <= 0.0)) {
-    return fail(ErrorCode::kUsage, "--range {}: write LOW,HIGH with LOW below HIGH{}", text,
-                log ? ", both above 0 for --log" : "");
-  }
-  return range;
+  return fail(ErrorCode::kUsage, "--range {}: write LOW,HIGH with LOW below HIGH{}", text,
+              log ? ", both above 0 for --log" : "");
 }
 
 struct NamedMap {

@@ -1,8 +1,6 @@
 #include "tools/verbs/pixel.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -29,20 +27,13 @@ std::vector<std::string> list_of_one(const std::string& name) {
 }
 
 Result<Place> parse_place(const std::string& text, const SamplePool& pool) {
-  Place place;
-  const std::vector<std::string> parts = split_list(text);
-  bool good = parts.size() == 2;
-  const std::array<int*, 2> ends = {&place.x, &place.y};
-  for (std::size_t i = 0; good && i < 2; ++i) {
-    const char* end = parts[i].data() + parts[i].size();
-    const auto parsed = std::from_chars(parts[i].data(), end, *ends[i]);
-    good = parsed.ec == std::errc() && parsed.ptr == end && *ends[i] >= 0;
+  if (const std::vector<std::string> parts = split_list(text); parts.size() == 2) {
+    const auto x = parse_integer("--at", parts[0], 0, pool.width() - 1);
+    const auto y = parse_integer("--at", parts[1], 0, pool.height() - 1);
+    if (x && y) return Place{*x, *y};
   }
-  if (!good || place.x >= pool.width() || place.y >= pool.height()) {
-    return fail(ErrorCode::kUsage, "--at {}: write X,Y, from 0,0 to {},{}", text, pool.width() - 1,
-                pool.height() - 1);
-  }
-  return place;
+  return fail(ErrorCode::kUsage, "--at {}: write X,Y, from 0,0 to {},{}", text, pool.width() - 1,
+              pool.height() - 1);
 }
 
 void print_pixel(const PixelAnswer& pixel) {

@@ -131,9 +131,7 @@ std::filesystem::path piece_file(const ReconstructOptions& options) {
 
 Result<void> write_piece_views(const ReconstructOptions& options, const SamplePool& pool,
                                const Views& views, const CommonOptions& common) {
-  ExrFile file;
-  file.width = pool.width();
-  file.height = pool.height();
+  ExrFile file{pool.width(), pool.height(), {}};
   add_view_layers(views, file);
   const std::filesystem::path path = piece_file(options);
   if (!common.quiet && !common.json) {

@@ -21,16 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* name_of(Better better) {
-  return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "one");
-}
-
 // The meanings that tools/report/vocabulary.py reads.
 std::string vocabulary_json() {
   nlohmann::ordered_json words = {{"version", SPOOL_VERSION}};
   for (const MetricDescription& metric : metrics()) {
-    words["metrics"].push_back(
-        {{"name", metric.name}, {"meaning", metric.meaning}, {"better", name_of(metric.better)}});
+    words["metrics"].push_back({{"name", metric.name}, {"meaning", metric.meaning}});
   }
   for (const ResultColumn& column : result_columns()) {
     words["columns"].push_back({{"name", column.name}, {"meaning", column.meaning}});

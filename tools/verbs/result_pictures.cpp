@@ -18,14 +18,6 @@ struct NamedPanel {
   Panel panel;
 };
 
-ExrFile one_channel(const char* name, PixelType type, const Plane& plane) {
-  ExrFile file;
-  file.width = plane.width();
-  file.height = plane.height();
-  file.channels.push_back({name, type, plane});
-  return file;
-}
-
 NamedPanel size_panel(const Plane& level) {
   std::set<int> used;
   for (const double value : level.pixels()) {
@@ -145,17 +137,16 @@ Result<void> write_result_numbers(const std::filesystem::path& folder, const Res
   const auto write_floats = [&](const char* name, const char* channel,
                                 const std::optional<Plane>& plane) -> Result<void> {
     if (!plane) return {};
-    return write(name, one_channel(channel, PixelType::kFloat, *plane), ExrCompression::kNone);
+    return write(name, exr_from_plane(channel, *plane), ExrCompression::kNone);
   };
   ExrFile estimate = exr_from_rgb(*images.estimate);
   estimate.text_attributes = attributes.texts;
   estimate.number_attributes = attributes.numbers;
   SPOOL_TRY(write("estimate", estimate, ExrCompression::kNone));
-  SPOOL_TRY(
-      write("density", one_channel("n", PixelType::kUint, images.density), ExrCompression::kZip));
+  SPOOL_TRY(write("density", exr_from_plane("n", images.density, PixelType::kUint),
+                  ExrCompression::kZip));
   if (images.level) {
-    SPOOL_TRY(write("filter_size", one_channel("level", PixelType::kFloat, *images.level),
-                    ExrCompression::kZip));
+    SPOOL_TRY(write("filter_size", exr_from_plane("level", *images.level), ExrCompression::kZip));
   }
   SPOOL_TRY(write_floats("direction", "angle", images.direction));
   SPOOL_TRY(write_floats("squared_error", "Y", images.squared_error));
