@@ -31,23 +31,19 @@ struct ExrFolderExportOptions : interchange::ExportOptions {
 
 constexpr uint64_t kImageBytes = uint64_t{512} << 20;  // of the images that are open together
 
-const std::map<std::string, std::string>& blender_names() {
-  static const std::map<std::string, std::string> names = {{"radiance", "Combined"},
-                                                           {"depth", "Depth"},
-                                                           {"position", "Position"},
-                                                           {"normal", "Normal"},
-                                                           {"albedo", "DiffCol"},
-                                                           {"normal_ns", "Denoising Normal"},
-                                                           {"albedo_ns", "Denoising Albedo"},
-                                                           {"depth_ns", "Denoising Depth"}};
-  return names;
-}
-
 // The channel's name in the image; empty when the names have none for it.
 std::string channel_name(const LayerInfo& layer, const std::string& component, ExrNames names) {
+  static const std::map<std::string, std::string> blender = {{"radiance", "Combined"},
+                                                             {"depth", "Depth"},
+                                                             {"position", "Position"},
+                                                             {"normal", "Normal"},
+                                                             {"albedo", "DiffCol"},
+                                                             {"normal_ns", "Denoising Normal"},
+                                                             {"albedo_ns", "Denoising Albedo"},
+                                                             {"depth_ns", "Denoising Depth"}};
   if (names == ExrNames::kBlender) {
-    const auto found = blender_names().find(layer.name);
-    return found == blender_names().end() ? "" : "ViewLayer." + found->second + "." + component;
+    const auto found = blender.find(layer.name);
+    return found == blender.end() ? "" : "ViewLayer." + found->second + "." + component;
   }
   if (layer.name == "radiance") return component;
   return names == ExrNames::kPlain ? layer.name + "." + component : "";
