@@ -119,7 +119,7 @@ bool is_mean_of_its_own(const RecordedSamples& recording, const RgbImage& refere
       near += std::abs(of[c].mean - reference[c](x, y)) < kNear * error;
     }
   }
-  return noisy >= kEnough && near >= 0.99 * static_cast<double>(noisy);
+  return noisy >= kEnough && static_cast<double>(near) >= 0.99 * static_cast<double>(noisy);
 }
 
 Result<void> check_holdout(const SamplePool& pool, int least) {

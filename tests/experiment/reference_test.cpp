@@ -358,7 +358,9 @@ TEST(Reference, TheMeanOfTheSamplesThemselvesDoesNotJudge) {
   EXPECT_TRUE(judges(15, 16, 16, noise));
   EXPECT_TRUE(judges(1, 16, 16, noise));
   // A lamp, a sky: without noise the two are one anyway.
-  EXPECT_TRUE(judges(16, 16, 16, [](int x, int y, int) { return 0.1f * x + y; }));
+  EXPECT_TRUE(judges(16, 16, 16, [](int x, int y, int) {
+    return 0.1f * static_cast<float>(x) + static_cast<float>(y);
+  }));
   EXPECT_TRUE(judges(4, 2, 4, noise));  // too few values to say so
 }
 

@@ -322,7 +322,7 @@ TEST(LoadRecording, MissingBlockIsRefusedWithItsTile) {
 // Of a recording of 30 pixels whose reference and its variance are these values everywhere.
 Result<void> loaded_with(const ScratchFolder& folder, float reference, float variance) {
   format::DumpHeader header = small_header(format::DataType::kFloat32);
-  for (std::uint16_t group : {1, 2})
+  for (const std::uint16_t group : std::initializer_list<std::uint16_t>{1, 2})
     for (const char* component : {".R", ".G", ".B"})
       header.channels.push_back(
           {(group == 1 ? "reference" : "reference_variance") + std::string(component), group,
