@@ -16,7 +16,7 @@ enum class EnergyStage { kOff, kBox, kFirst };
 enum class ResidualStage { kOff, kHalves };
 
 // Bytes a pixel: the clamped samples' statistics, the image that is restored.
-constexpr double kClampMemory = 70, kResidualMemory = 260, kEnergyMemory = 16;
+constexpr double kClampMemory = 70, kResidualMemory = 120, kEnergyMemory = 16;
 
 // Of light that a sampler lost, which may have been anywhere but in a lamp (decision 159).
 constexpr EnergyStepOptions kOfFirstSamples = {.floor = 0.5, .top = 1.0};

@@ -83,50 +83,62 @@ Ratios ratios_of(const RgbImage& image, const Selection& selection, const Sample
   return ratios;
 }
 
-// W of the header.
+// W of the header. Of a pixel's hats, the one below its own level and the one above it.
 class AboutAsBright {
  public:
-  explicit AboutAsBright(const Ratios& ratios) {
+  explicit AboutAsBright(const Ratios& ratios) : ratios_(ratios) {
+    const Plane empty(ratios.hat.width(), ratios.hat.height());
+    fine_.sums = wide_.sums = {empty, empty};
     for (int k = kFirstHat; k <= kLastHat; ++k) {
-      Plane weight(ratios.hat.width(), ratios.hat.height());
+      Plane weight = empty;
       bool any = false;
       for (std::size_t p = 0; p < weight.size(); ++p) {
-        if (!ratios.used[p]) continue;
-        weight[p] = std::max(0.0, 1.0 - std::abs(ratios.hat[p] - k));
+        weight[p] = weight_of(p, k);
         any = any || weight[p] > 0.0;
       }
       if (!any) continue;
-      Hat hat{std::move(weight), {}, {}};
-      hat.fine = truncated_sum(hat.weight, fine_);
-      hat.wide = truncated_sum(hat.weight, wide_);
-      hats_.push_back(std::move(hat));
+      hats_.push_back(k);
+      for (Window* window : {&fine_, &wide_}) {
+        const Plane sum = truncated_sum(weight, window->taps);
+        for (std::size_t p = 0; p < sum.size(); ++p) {
+          if (weight[p] > 0.0) window->sums[side_of(p, k)][p] = sum[p];
+        }
+      }
     }
   }
-  Plane fine(const Plane& image) const { return mean(image, fine_, &Hat::fine); }
-  Plane wide(const Plane& image) const { return mean(image, wide_, &Hat::wide); }
+  Plane fine(const Plane& image) const { return mean(image, fine_); }
+  Plane wide(const Plane& image) const { return mean(image, wide_); }
 
  private:
-  struct Hat {
-    Plane weight, fine, wide;  // itself and its sums
+  struct Window {
+    Taps taps;
+    std::array<Plane, 2> sums;  // of the weights of the hats below and above
   };
 
-  Plane mean(const Plane& image, const Taps& taps, Plane Hat::* sums) const {
+  double weight_of(std::size_t p, int k) const {
+    return ratios_.used[p] ? std::max(0.0, 1.0 - std::abs(ratios_.hat[p] - k)) : 0.0;
+  }
+  std::size_t side_of(std::size_t p, int k) const { return k > ratios_.hat[p] ? 1 : 0; }
+
+  Plane mean(const Plane& image, const Window& window) const {
     Plane out(image.width(), image.height());
-    for (const Hat& hat : hats_) {
+    for (const int k : hats_) {
       Plane weighted(image.width(), image.height());
       for (std::size_t p = 0; p < out.size(); ++p)
-        weighted[p] = hat.weight[p] * image[p];
-      weighted = truncated_sum(weighted, taps);
+        weighted[p] = weight_of(p, k) * image[p];
+      weighted = truncated_sum(weighted, window.taps);
       for (std::size_t p = 0; p < out.size(); ++p) {
-        if (hat.weight[p] > 0.0)
-          out[p] += hat.weight[p] * weighted[p] / std::max((hat.*sums)[p], kLeastWeight);
+        const double weight = weight_of(p, k);
+        if (weight > 0.0)
+          out[p] += weight * weighted[p] / std::max(window.sums[side_of(p, k)][p], kLeastWeight);
       }
     }
     return out;
   }
 
-  Taps fine_ = four_sigma_taps(kFine), wide_ = four_sigma_taps(kWide);
-  std::vector<Hat> hats_;
+  const Ratios& ratios_;
+  Window fine_{four_sigma_taps(kFine), {}}, wide_{four_sigma_taps(kWide), {}};
+  std::vector<int> hats_;  // those that have pixels
 };
 
 Plane difference(Plane a, const Plane& b) {
