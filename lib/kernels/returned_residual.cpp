@@ -19,7 +19,6 @@ constexpr double kFine = 0.7, kWide = 8.0;          // sigma, pixels
 constexpr double kTwoErrors = 2.0 * kFine / kWide;  // of a mean over the wide window
 constexpr double kHatSpacing = 3.0;                 // of logarithms
 constexpr int kFirstHat = -2, kLastHat = 3;         // what is darker or brighter is of these
-constexpr double kLeastWeight = 1e-12;              // of a hat around a pixel
 
 struct Ratios {
   Plane a, b;              // means of the halves' limited ratios
@@ -129,8 +128,7 @@ class AboutAsBright {
       weighted = truncated_sum(weighted, window.taps);
       for (std::size_t p = 0; p < out.size(); ++p) {
         const double weight = weight_of(p, k);
-        if (weight > 0.0)
-          out[p] += weight * weighted[p] / std::max(window.sums[side_of(p, k)][p], kLeastWeight);
+        if (weight > 0.0) out[p] += weight * weighted[p] / window.sums[side_of(p, k)][p];
       }
     }
     return out;
