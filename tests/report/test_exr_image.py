@@ -45,8 +45,9 @@ def test_damage_anywhere_is_a_failure_or_an_image_but_nothing_else(tmp_path):
 
 def test_a_huge_size_in_a_short_file_allocates_nothing(tmp_path):
     whole = bytearray(exr_bytes({"Y": np.zeros((2, 2), "f4")}))
-    at = whole.index(b"dataWindow\0box2i\0") + len(b"dataWindow\0box2i\0") + 4
-    whole[at + 8:at + 16] = (16000).to_bytes(4, "little") * 2
+    for name in (b"dataWindow\0box2i\0", b"displayWindow\0box2i\0"):
+        at = whole.index(name) + len(name) + 4
+        whole[at + 8:at + 16] = (16000).to_bytes(4, "little") * 2
     (tmp_path / "huge.exr").write_bytes(whole)
     with pytest.raises(Failure, match="too short"):
         read_exr(tmp_path / "huge.exr")
