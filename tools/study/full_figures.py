@@ -47,14 +47,13 @@ TILES = {"multiscale": "no tiles", **{f"multiscale{{parallel=tiles,tile={t}}}": 
 FRAMES = ("#e69f00", "#56b4e9")
 
 
-def save(figure, path, photos):
-    """A PNG; of maps 256 colours, which is a third of the bytes: in a photo that would be noise that no method made."""
+def save(figure, path):
+    """A PNG of 256 colours, a third of the bytes; not dithered, which would be noise that no method made."""
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=100)
     plt.close(figure)
     path.parent.mkdir(parents=True, exist_ok=True)
-    whole = Image.open(buffer).convert("RGB")
-    (whole if photos else whole.quantize(256, dither=Image.Dither.NONE)).save(path, optimize=True)
+    Image.open(buffer).convert("RGB").quantize(256, dither=Image.Dither.NONE, kmeans=10).save(path, optimize=True)
     print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB", flush=True)
 
 
@@ -167,7 +166,7 @@ def main():
             folder = ROOT / "build/full_figures" / f"{name}_{path.stat().st_mtime_ns}_{spp}"
             folder.mkdir(parents=True, exist_ok=True)
             pictures = Pictures(arguments.program, path, folder, spp)
-            save(draw(pictures, crops) if cropped else draw(pictures), FOLDER / f"{figure}_{name}.png", photos=cropped)
+            save(draw(pictures, crops) if cropped else draw(pictures), FOLDER / f"{figure}_{name}.png")
 
 
 if __name__ == "__main__":
