@@ -1,10 +1,10 @@
 // Means over one pixel of functions that are smooth except across straight lines and circles.
 //
-// The pixel is cut at every line, circle and crossing, first in y, then along each row in x, and
-// each piece is integrated by 16-point Gauss-Legendre rules; in y after the substitution
-// y = a + (b - a) s^2 (3 - 2 s), which turns the square-root ends of circular arcs into smooth
-// ones. Error: rounding for straight creases and polynomials; 1e-9 of a pixel where a circle all
-// but touches a cut.
+// The pixel is cut at every line and circle and where a line crosses either (not where two circles
+// cross), first in y, then along each row in x, and each piece is integrated by 16-point
+// Gauss-Legendre rules; in y after the substitution y = a + (b - a) s^2 (3 - 2 s), which turns the
+// square-root ends of circular arcs into smooth ones. Error: rounding for straight creases and
+// polynomials; 1e-9 of a pixel where a circle all but touches a cut.
 #pragma once
 
 #include <cmath>
