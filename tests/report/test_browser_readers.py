@@ -103,7 +103,7 @@ def test_every_cell_works_by_keyboard_and_says_its_interval_and_verdict(opened):
     assert name.startswith("mitchell + gaussian, kitchen") and "relMSE" in name and "[" in name and "than uniform + box" in name
     assert page.locator(".told").text_content() == name
     page.keyboard.press("Enter")
-    page.wait_for_function("document.querySelectorAll('#stage figcaption')[1]?.textContent === 'B: mitchell + gaussian'")
+    page.locator("#stage figcaption", has_text="B: mitchell + gaussian").wait_for()
     assert page.locator("#viewer-scene option:checked").text_content() == "kitchen"
     assert page.evaluate("document.activeElement.id") == "viewer-scene"  # the next key is the viewer's
 
