@@ -27,29 +27,20 @@ struct Ratios {
   std::vector<char> used;  // has samples in both halves
 };
 
-// Even or odd: of joined halves the half that took the sample, else its position.
-class HalfOf {
- public:
-  explicit HalfOf(const Selection& selection)
-      : joined_(selection.halves_use == HalvesUse::kTogether && selection.halves.size() == 2
-                    ? &selection.halves
-                    : nullptr) {}
-  int operator()(int px, int py, int i) const {
-    if (!joined_) return i % 2;
-    return half_of_joined((*joined_)[0].statistics.n(px, py), (*joined_)[1].statistics.n(px, py),
-                          i);
-  }
-
- private:
-  const std::vector<Selection>* joined_;
-};
+// 0: even, 1: odd. Of joined halves the half that took the sample, else its position.
+std::size_t half_of(const Selection& selection, int px, int py, int i) {
+  if (selection.halves_use != HalvesUse::kTogether || selection.halves.size() != 2)
+    return static_cast<std::size_t>(i % 2);
+  const std::vector<Selection>& halves = selection.halves;
+  return static_cast<std::size_t>(
+      half_of_joined(halves[0].statistics.n(px, py), halves[1].statistics.n(px, py), i));
+}
 
 Ratios ratios_of(const RgbImage& image, const Selection& selection, const SamplePool& pool,
                  double unit) {
   const int width = image[0].width(), height = image[0].height(), q = pool.pieces_per_side();
   const Plane empty(width, height);
   Ratios ratios{empty, empty, empty, empty, std::vector<char>(empty.size(), 0)};
-  const HalfOf half_of(selection);
   parallel_rows(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const double own = luminance(image[0](x, y), image[1](x, y), image[2](x, y));
@@ -62,7 +53,7 @@ Ratios ratios_of(const RgbImage& image, const Selection& selection, const Sample
           for (int i = 0; i < selection.statistics.n(px, py); ++i) {
             const Rgb value = pool.sample(px, py, i);
             const double ratio = luminance(value[0], value[1], value[2]) / bright;
-            const auto half = static_cast<std::size_t>(half_of(px, py, i));
+            const std::size_t half = half_of(selection, px, py, i);
             limited[half] += std::min(ratio, kMostRatio);
             sum[half] += ratio;
             ++count[half];
