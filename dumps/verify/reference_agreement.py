@@ -11,6 +11,7 @@ import numpy as np
 
 from dumps.verify.finding import finding
 from dumps.verify.independence import of_few, two_sided
+from spool.save import is_mean_of
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 BLOCK, RESAMPLES, SEED = 8, 400, 1987
@@ -23,14 +24,14 @@ def reference_findings(dump, radiance, level):
     if not np.isfinite(reference).all():
         return [finding("reference finite", False, "%d values are not" % (~np.isfinite(reference)).sum(), "all")]
     count = radiance.shape[2]
-    if is_mean_of(radiance.astype(np.float64), reference):
+    samples = radiance.astype(np.float64)
+    if is_mean_of(samples, reference):
         return [finding("reference error", False, "the reference is the mean of these samples", "one of other samples")]
     if "reference_variance" not in dump.layers or count < 8:
         return [finding("reference agrees", None, "no variance, or fewer than 8 samples", "both")]
     variance = dump.pixel("reference_variance").astype(np.float64)
     if not np.isfinite(variance).all():
         return [finding("reference variance finite", False, "%d values are not" % (~np.isfinite(variance)).sum(), "all")]
-    samples = radiance.astype(np.float64)
     expected = samples.var(axis=2, ddof=1) / count + variance
     difference = samples.mean(axis=2) - reference
     # One share for the picture: a pixel's own variances follow its noise and would bring the correlation back.
@@ -65,15 +66,6 @@ def reference_findings(dump, radiance, level):
 def luminance_variance(variance):
     """The most that the variances of the channels allow. Light is often grey: its channels go up and down together."""
     return (np.sqrt(variance) @ LUMINANCE) ** 2
-
-
-def is_mean_of(samples, reference):
-    """Of other samples 2 % of the values lie so near (lib/experiment/reference.cpp)."""
-    if samples.shape[2] < 2:
-        return False
-    mean, error = samples.mean(axis=2), samples.std(axis=2, ddof=1) / np.sqrt(samples.shape[2])
-    noisy = error > 1e-4 * np.abs(mean)
-    return noisy.sum() >= 32 and (np.abs(mean - reference) < 0.02 * error)[noisy].mean() >= 0.99
 
 
 def visible_share(error, level, count, freedom, meta):

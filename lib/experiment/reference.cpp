@@ -26,20 +26,22 @@ struct ChannelMoments {
   double mean = 0.0, m2 = 0.0;
 };
 
+// The n-th sample.
+void take(const Rgb& value, int n, std::array<ChannelMoments, 3>& moments) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double delta = value[c] - moments[c].mean;
+    moments[c].mean += delta / n;
+    moments[c].m2 += delta * (value[c] - moments[c].mean);
+  }
+}
+
 // Of every `step`-th sample of the range.
 std::array<ChannelMoments, 3> moments(const SamplePool& pool, int x, int y, SampleRange range,
                                       int step = 1) {
   std::array<ChannelMoments, 3> result;
   int n = 0;
-  for (int i = range.begin; i < range.end; i += step) {
-    const Rgb value = pool.sample(x, y, i);
-    ++n;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double delta = value[c] - result[c].mean;
-      result[c].mean += delta / n;
-      result[c].m2 += delta * (value[c] - result[c].mean);
-    }
-  }
+  for (int i = range.begin; i < range.end; i += step)
+    take(pool.sample(x, y, i), ++n, result);
   return result;
 }
 
@@ -103,14 +105,7 @@ bool is_mean_of_its_own(const RecordedSamples& recording, const RgbImage& refere
     std::array<ChannelMoments, 3> of;
     int n = 0;
     for (int s = 0; s < recording.spp(); ++s) {
-      if (recording.rejected(x, y, s)) continue;
-      const Rgb value = recording.radiance(x, y, s);
-      ++n;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double delta = value[c] - of[c].mean;
-        of[c].mean += delta / n;
-        of[c].m2 += delta * (value[c] - of[c].mean);
-      }
+      if (!recording.rejected(x, y, s)) take(recording.radiance(x, y, s), ++n, of);
     }
     for (std::size_t c = 0; n > 1 && c < 3; ++c) {
       const double error = std::sqrt(of[c].m2 / (n - 1) / n);

@@ -74,18 +74,25 @@ def _check_variance(path, arrays):
                                   "a variance is finite and at least 0")
 
 
+def is_mean_of(samples, reference):
+    """Whether a reference [y][x][c] lies where the mean of the samples [y][x][s][c], float64, does (lib/experiment/reference.cpp). Of other
+    samples 2 % of the values lie so near."""
+    if samples.shape[2] < 2:
+        return False
+    with np.errstate(all="ignore"):  # whatever the samples are
+        mean, error = samples.mean(axis=2), samples.std(axis=2, ddof=1) / np.sqrt(samples.shape[2])
+        noisy = error > 1e-4 * np.abs(mean)
+        near = np.abs(mean - reference) < 0.02 * error
+    return noisy.sum() >= 32 and near[noisy].mean() >= 0.99
+
+
 def _note_own_mean(path, arrays):
     """What is judged by the mean of its own samples is judged too kindly (lib/experiment/reference.cpp)."""
     radiance, reference = arrays["radiance"], arrays.get("reference")
-    if reference is None or reference.shape != (*radiance.shape[:2], 3) or not radiance.shape[2]:
+    if reference is None or reference.shape != (*radiance.shape[:2], 3):
         return
     rows = slice(None, None, 1 + radiance.size // 2**20)
-    with np.errstate(all="ignore"):  # whatever the samples are
-        samples = radiance[rows].astype(np.float64)
-        mean, error = samples.mean(axis=2), samples.std(axis=2) / np.sqrt(samples.shape[2])
-        noisy = error > 1e-4 * np.abs(mean)
-        near = np.abs(mean - reference[rows]) < 0.02 * error
-    if noisy.sum() >= 32 and near[noisy].mean() >= 0.99:
+    if is_mean_of(radiance[rows].astype(np.float64), reference[rows]):
         warnings.warn(f"{path}: the reference is the mean of these samples, which judges them too kindly: render one of other samples, "
                       "or leave it out", stacklevel=4)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 from tools.bench.speed_page import ROOT, replace_section
+from tools.study.plans import CACHE
 from tools.study.tables import markdown
 
 plt.switch_backend("svg")
@@ -18,8 +19,7 @@ OIDN = "Open Image Denoise, albedo and normal"
 
 
 def peers_python():
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "spool"
-    return os.environ.get("SPOOL_PEERS_PYTHON") or cache / "peers-venv" / "bin" / "python"
+    return os.environ.get("SPOOL_PEERS_PYTHON") or CACHE / "peers-venv" / "bin" / "python"
 
 
 def measure(build, arguments):
