@@ -288,7 +288,8 @@ def test_recordings_of_a_group_must_be_alike(run, dump, tmp_path):
             run("evaluate", "p.toml", *options).failed_with(1, "other.spool", "group", "of its own")
     other.write_bytes(dump.read_bytes())
     for options in (["-o", "p"], ["--dry-run"]):
-        run("evaluate", "p.toml", *options).failed_with(2, "scene.spool", "other.spool", "are one recording")
+        for what in (["p.toml"], ["scene.spool", "other.spool", "--spp", "4"]):
+            run("evaluate", *what, *options).failed_with(2, "scene.spool", "other.spool", "are one recording")
     other.unlink()
     write_dump(other, radiance)
     (tmp_path / "p.toml").write_text('reference = "holdout"\nholdout = 4\n' + plan)

@@ -134,16 +134,17 @@ Result<void> check_dumps(const Plan& plan) {
     }
   }
   for (const PlanScene& scene : scenes_of(plan)) {
-    std::map<std::string, std::string> known;  // hash: recording
-    for (const std::string& other : scene.recordings) {
+    for (const std::string& other : scene.recordings)
       SPOOL_TRY(check_alike(scene, other, plan));
-      SPOOL_ASSIGN(const std::string hash, interchange::index_sha256_of(other));
-      const auto [at, fresh] = known.try_emplace(hash, other);
-      if (fresh) continue;
-      return fail(ErrorCode::kUsage,
-                  "{} and {}: are one recording, which a group cannot count twice: leave one out",
-                  at->second, other);
-    }
+  }
+  std::map<std::string, std::string> known;  // hash: recording
+  for (const std::string& recording : plan.recordings) {
+    SPOOL_ASSIGN(const std::string hash, interchange::index_sha256_of(recording));
+    const auto [at, fresh] = known.try_emplace(hash, recording);
+    if (fresh) continue;
+    return fail(ErrorCode::kUsage,
+                "{} and {}: are one recording, which cannot count twice: leave one out", at->second,
+                recording);
   }
   return {};
 }
