@@ -9,21 +9,22 @@
 #include "lib/core/parallel.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/statistics/joined_halves.h"
+#include "lib/statistics/window_sums.h"
 
 namespace spool {
 namespace {
 
 constexpr double kLeastLuminance = 1e-3;  // in units of the scene's luminance
-constexpr double kMostRatio = 4.0;
-constexpr double kFine = 0.7, kWide = 8.0;          // sigma, pixels
-constexpr double kTwoErrors = 2.0 * kFine / kWide;  // of a mean over the wide window
-constexpr double kHatSpacing = 3.0;                 // of logarithms
-constexpr int kFirstHat = -2, kLastHat = 3;         // what is darker or brighter is of these
+constexpr double kMostRatio = 6.0;
+constexpr double kFine = 0.7;                // sigma, pixels
+constexpr int kWide = 20;                    // radius, pixels
+constexpr double kTwoErrors = 0.12;          // of a mean over the wide window
+constexpr int kFirstHat = -6, kLastHat = 4;  // what is darker or brighter is of these
 
 struct Ratios {
   Plane a, b;              // means of the halves' limited ratios
   Plane whole;             // mean of both halves' ratios
-  Plane hat;               // log(I / U) / spacing, within the hats
+  Plane hat;               // log(I / U), within the hats
   std::vector<char> used;  // has samples in both halves
 };
 
@@ -65,8 +66,8 @@ Ratios ratios_of(const RgbImage& image, const Selection& selection, const Sample
       ratios.a[p] = limited[0] / count[0];
       ratios.b[p] = limited[1] / count[1];
       ratios.whole[p] = 0.5 * (sum[0] / count[0] + sum[1] / count[1]);
-      ratios.hat[p] = std::clamp(std::log(bright / unit) / kHatSpacing,
-                                 static_cast<double>(kFirstHat), static_cast<double>(kLastHat));
+      ratios.hat[p] = std::clamp(std::log(bright / unit), static_cast<double>(kFirstHat),
+                                 static_cast<double>(kLastHat));
       ratios.used[p] = 1;
     }
   });
@@ -89,7 +90,7 @@ class AboutAsBright {
       if (!any) continue;
       hats_.push_back(k);
       for (Window* window : {&fine_, &wide_}) {
-        const Plane sum = truncated_sum(weight, window->taps);
+        const Plane sum = window->sum(weight);
         for (std::size_t p = 0; p < sum.size(); ++p) {
           if (weight[p] > 0.0) window->sums[side_of(p, k)][p] = sum[p];
         }
@@ -101,7 +102,7 @@ class AboutAsBright {
 
  private:
   struct Window {
-    Taps taps;
+    Plane (*sum)(const Plane& image);
     std::array<Plane, 2> sums;  // of the weights of the hats below and above
   };
 
@@ -116,7 +117,7 @@ class AboutAsBright {
       Plane weighted(image.width(), image.height());
       for (std::size_t p = 0; p < out.size(); ++p)
         weighted[p] = weight_of(p, k) * image[p];
-      weighted = truncated_sum(weighted, window.taps);
+      weighted = window.sum(weighted);
       for (std::size_t p = 0; p < out.size(); ++p) {
         const double weight = weight_of(p, k);
         if (weight > 0.0) out[p] += weight * weighted[p] / window.sums[side_of(p, k)][p];
@@ -126,7 +127,8 @@ class AboutAsBright {
   }
 
   const Ratios& ratios_;
-  Window fine_{four_sigma_taps(kFine), {}}, wide_{four_sigma_taps(kWide), {}};
+  Window fine_{[](const Plane& image) { return truncated_sum(image, four_sigma_taps(kFine)); }, {}};
+  Window wide_{[](const Plane& image) { return window_sums(image, kWide); }, {}};
   std::vector<int> hats_;  // those that have pixels
 };
 

@@ -3,24 +3,25 @@
 // image towards the mean of its own samples; how far, independent halves decide.
 //
 // I_p = max(luminance of the image, 1e-3 U), U the scene's luminance. r_i = luminance of sample i /
-// I_p.
+// I_p. Means over pixels about as bright (below): F under a Gaussian of 0.7 pixels, W over 41 x 41.
 //
-//   a, b = means over the even and over the odd samples of min(r_i, 4);   u = mean of both halves'
-//   r_i W_s  = mean under a Gaussian of s pixels over pixels about as bright (below) A    = W_0.7 a
-//   - W_8 a,   B = W_0.7 b - W_8 b,   d = ((A - B) / 2)^2 bias = max(0, W_8(A B) - k (W_8(A B)
-//   + W_8 d)),   k = 2 * 0.7 / 8 t    = bias / (bias + max(W_8 d, W_0.7 d)) out  = image (1 + t
-//   minmod((A + B) / 2, W_0.7 u - 1)),   minmod: the smaller of one sign, or 0
+//   a, b = means over the even and over the odd samples of min(r_i, 6)
+//   u    = mean of both halves' r_i
+//   A    = F a - W a,   B = F b - W b,   d = ((A - B) / 2)^2
+//   bias = max(0, W(A B) - 0.12 (W(A B) + W d))
+//   t    = bias / (bias + max(W d, F d))
+//   out  = image (1 + t minmod((A + B) / 2, F u - 1)),   minmod: the smaller of one sign, or 0
 //
-// Noise of the halves is independent, so W_8(A B) has the squared bias in expectation, whatever
-// the noise; what a filter shares with both halves makes it smaller. k is two standard errors of a
-// mean over the window. t is the share that least squares gives the samples. Without the limit of 4
+// Noise of the halves is independent, so W(A B) has the squared bias in expectation, whatever the
+// noise; what a filter shares with both halves makes it smaller. 0.12 is two standard errors of a
+// mean over the window. t is the share that least squares gives the samples. Without the limit of 6
 // single bright samples decide; without minmod a pixel free of noise in front of noisy ones, such
 // as a lamp, would move, because the limit lowers only the others' means.
 //
-// Pixels about as bright: hat functions of log I, three apart; W is the mean under each hat,
-// interpolated at p. Pixels without a sample in both halves, and those that are not finite, keep
-// their value and take no part. Windows are cut at the border. Slow twin:
-// tests/reference/returned_residual_reference.h.
+// Pixels about as bright: hat functions of log I, one apart; a mean is that under each hat,
+// interpolated at p. Three apart, lamps decided about what is around them. Pixels without a sample
+// in both halves, and those that are not finite, keep their value and take no part. Windows are cut
+// at the border. Slow twin: tests/reference/returned_residual_reference.h.
 #pragma once
 
 #include "lib/core/guards.h"

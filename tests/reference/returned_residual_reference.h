@@ -36,13 +36,12 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
   };
   const auto bright = [&](int x, int y) { return std::max(luminance_at(x, y), 0.001 * unit); };
   const auto level = [&](int x, int y) {
-    return std::clamp(std::log(bright(x, y) / unit) / 3.0, -2.0, 3.0);
+    return std::clamp(std::log(bright(x, y) / unit), -6.0, 4.0);
   };
   using Value = std::function<double(int, int)>;
   // Under each of the two hats over the pixel's own level, interpolated.
-  const auto about_as_bright = [&](double sigma, const Value& value) {
+  const auto about_as_bright = [&](int radius, double sigma, const Value& value) {
     Plane out(width, height);
-    const int radius = static_cast<int>(4.0 * sigma + 0.5);
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         if (!used(x, y)) continue;
@@ -66,19 +65,21 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
     }
     return out;
   };
+  const auto fine_mean = [&](const Value& value) { return about_as_bright(3, 0.7, value); };
+  const auto wide_mean = [&](const Value& value) { return about_as_bright(20, INFINITY, value); };
   const auto residual = [&](bool odd) {
     const Value ratio = [&, odd](int x, int y) {
       const HalvesOfPixel& own = samples[at(x, y)];
-      return mean_of_ratios(odd ? own.odd : own.even, bright(x, y), 4.0);
+      return mean_of_ratios(odd ? own.odd : own.even, bright(x, y), 6.0);
     };
-    Plane fine = about_as_bright(0.7, ratio);
-    const Plane wide = about_as_bright(8.0, ratio);
+    Plane fine = fine_mean(ratio);
+    const Plane wide = wide_mean(ratio);
     for (std::size_t p = 0; p < fine.size(); ++p)
       fine[p] -= wide[p];
     return fine;
   };
   const Plane a = residual(false), b = residual(true);
-  const Plane whole = about_as_bright(0.7, [&](int x, int y) {
+  const Plane whole = fine_mean([&](int x, int y) {
     const HalvesOfPixel& own = samples[at(x, y)];
     return (mean_of_ratios(own.even, bright(x, y), INFINITY) +
             mean_of_ratios(own.odd, bright(x, y), INFINITY)) /
@@ -86,14 +87,13 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
   });
   const Value product = [&](int x, int y) { return a(x, y) * b(x, y); };
   const Value noise = [&](int x, int y) { return std::pow((a(x, y) - b(x, y)) / 2.0, 2); };
-  const Plane agreed = about_as_bright(8.0, product), wide = about_as_bright(8.0, noise);
-  const Plane fine = about_as_bright(0.7, noise);
+  const Plane agreed = wide_mean(product), wide = wide_mean(noise);
+  const Plane fine = fine_mean(noise);
   RgbImage out = image;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (!used(x, y)) continue;
-      const double bias =
-          std::max(0.0, agreed(x, y) - 2.0 * 0.7 / 8.0 * (agreed(x, y) + wide(x, y)));
+      const double bias = std::max(0.0, agreed(x, y) - 0.12 * (agreed(x, y) + wide(x, y)));
       if (bias == 0.0) continue;
       const double limited = (a(x, y) + b(x, y)) / 2.0, plain = whole(x, y) - 1.0;
       double step = std::abs(limited) < std::abs(plain) ? limited : plain;
