@@ -18,8 +18,8 @@ constexpr double kLeastLuminance = 1e-3;  // in units of the scene's luminance
 constexpr double kMostRatio = 6.0;
 constexpr double kFine = 0.7;                // sigma, pixels
 constexpr int kWide = 20;                    // radius, pixels
-constexpr double kTwoErrors = 0.12;          // of a mean over the wide window
-constexpr int kFirstHat = -6, kLastHat = 4;  // what is darker or brighter is of these
+constexpr double kErrors = 2.0;              // of a mean over one pixel
+constexpr int kFirstHat = -6, kLastHat = 9;  // what is darker or brighter is of these
 
 struct Ratios {
   Plane a, b;              // means of the halves' limited ratios
@@ -99,6 +99,17 @@ class AboutAsBright {
   }
   Plane fine(const Plane& image) const { return mean(image, fine_); }
   Plane wide(const Plane& image) const { return mean(image, wide_); }
+  // What mean() rests on in the wide window.
+  Plane pixels() const {
+    Plane count(ratios_.hat.width(), ratios_.hat.height());
+    for (const int k : hats_) {
+      for (std::size_t p = 0; p < count.size(); ++p) {
+        const double weight = weight_of(p, k);
+        if (weight > 0.0) count[p] += weight * wide_.sums[side_of(p, k)][p];
+      }
+    }
+    return count;
+  }
 
  private:
   struct Window {
@@ -163,10 +174,11 @@ RgbImage return_residual(RgbImage image, const Selection& selection, const Sampl
     noise[p] = 0.25 * (a[p] - b[p]) * (a[p] - b[p]);
   }
   const Plane agreed = means.wide(product), wide_noise = means.wide(noise);
-  const Plane fine_noise = means.fine(noise);
+  const Plane fine_noise = means.fine(noise), pixels = means.pixels();
   for (std::size_t p = 0; p < a.size(); ++p) {
-    const double bias = agreed[p] - kTwoErrors * (agreed[p] + wide_noise[p]);
-    if (!ratios.used[p] || bias <= 0.0) continue;
+    if (!ratios.used[p]) continue;
+    const double bias = agreed[p] - kErrors / std::sqrt(pixels[p]) * (agreed[p] + wide_noise[p]);
+    if (bias <= 0.0) continue;
     const double share = bias / (bias + std::max(wide_noise[p], fine_noise[p]));
     const double factor = 1.0 + share * minmod(0.5 * (a[p] + b[p]), whole[p] - 1.0);
     for (Plane& channel : image)

@@ -8,15 +8,16 @@
 //   a, b = means over the even and over the odd samples of min(r_i, 6)
 //   u    = mean of both halves' r_i
 //   A    = F a - W a,   B = F b - W b,   d = ((A - B) / 2)^2
-//   bias = max(0, W(A B) - 0.12 (W(A B) + W d))
+//   bias = max(0, W(A B) - 2 (W(A B) + W d) / sqrt N),   N: sum of the weights of W
 //   t    = bias / (bias + max(W d, F d))
 //   out  = image (1 + t minmod((A + B) / 2, F u - 1)),   minmod: the smaller of one sign, or 0
 //
 // Noise of the halves is independent, so W(A B) has the squared bias in expectation, whatever the
-// noise; what a filter shares with both halves makes it smaller. 0.12 is two standard errors of a
-// mean over the window. t is the share that least squares gives the samples. Without the limit of 6
-// single bright samples decide; without minmod a pixel free of noise in front of noisy ones, such
-// as a lamp, would move, because the limit lowers only the others' means.
+// noise; what a filter shares with both halves makes it smaller. What is subtracted is about a
+// standard error of a mean over N pixels: few bright pixels in a window decide little. t is the
+// share that least squares gives the samples. Without the limit of 6 single bright samples decide;
+// without minmod a pixel free of noise in front of noisy ones, such as a lamp, would move, because
+// the limit lowers only the others' means.
 //
 // Pixels about as bright: hat functions of log I, one apart; a mean is that under each hat,
 // interpolated at p. Three apart, lamps decided about what is around them. Pixels without a sample

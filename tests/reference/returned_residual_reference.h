@@ -36,11 +36,12 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
   };
   const auto bright = [&](int x, int y) { return std::max(luminance_at(x, y), 0.001 * unit); };
   const auto level = [&](int x, int y) {
-    return std::clamp(std::log(bright(x, y) / unit), -6.0, 4.0);
+    return std::clamp(std::log(bright(x, y) / unit), -6.0, 9.0);
   };
   using Value = std::function<double(int, int)>;
   // Under each of the two hats over the pixel's own level, interpolated.
-  const auto about_as_bright = [&](int radius, double sigma, const Value& value) {
+  const auto about_as_bright = [&](int radius, double sigma, const Value& value,
+                                   bool of_weights = false) {
     Plane out(width, height);
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
@@ -59,7 +60,7 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
             }
           }
           const double share = hat == below ? 1.0 - above_share : above_share;
-          if (share > 0.0) out(x, y) += share * sum / weights;
+          if (share > 0.0) out(x, y) += share * (of_weights ? weights : sum / weights);
         }
       }
     }
@@ -88,12 +89,13 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
   const Value product = [&](int x, int y) { return a(x, y) * b(x, y); };
   const Value noise = [&](int x, int y) { return std::pow((a(x, y) - b(x, y)) / 2.0, 2); };
   const Plane agreed = wide_mean(product), wide = wide_mean(noise);
-  const Plane fine = fine_mean(noise);
+  const Plane fine = fine_mean(noise), pixels = about_as_bright(20, INFINITY, noise, true);
   RgbImage out = image;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (!used(x, y)) continue;
-      const double bias = std::max(0.0, agreed(x, y) - 0.12 * (agreed(x, y) + wide(x, y)));
+      const double bias =
+          std::max(0.0, agreed(x, y) - 2.0 / std::sqrt(pixels(x, y)) * (agreed(x, y) + wide(x, y)));
       if (bias == 0.0) continue;
       const double limited = (a(x, y) + b(x, y)) / 2.0, plain = whole(x, y) - 1.0;
       double step = std::abs(limited) < std::abs(plain) ? limited : plain;
