@@ -1,6 +1,7 @@
 #include "formats/interchange/import_watch.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace spool::interchange {
 namespace {
@@ -15,6 +16,7 @@ ImportWatch::ImportWatch(const DumpPlan& plan)
     : samples_(plan.width, plan.height, plan.spp,
                std::any_of(plan.layers.begin(), plan.layers.end(), shares_places)),
       ranges_(uint64_t{plan.width} * plan.height),
+      reference_(plan.width, plan.height),
       shuffled_(plan.shuffled) {}
 
 void ImportWatch::add(const format::PixelRect& rect, uint32_t begin, uint32_t count,
@@ -25,8 +27,16 @@ void ImportWatch::add(const format::PixelRect& rect, uint32_t begin, uint32_t co
   for (const ForeignLayer& layer : layers) {
     const auto planes = block.first(layer.array.components * plane);
     block = block.subspan(planes.size());
-    if (layer.name == "radiance" && layer.array.components == 3)
+    if (layer.scope == format::Scope::kPixel) {
+      if (layer.name == "reference" && layer.array.components == 3 &&
+          type != format::DataType::kUint32)
+        reference_.add_reference(rect, type, planes);
+      continue;
+    }
+    if (layer.name == "radiance" && layer.array.components == 3) {
       samples_.add(rect, begin, count, type, planes);
+      reference_.add_radiance(rect, count, type, planes);
+    }
     ranges_.add(layer.name, layer.array.components, pixels, count, type, planes);
   }
 }
@@ -35,6 +45,7 @@ Result<void> ImportWatch::judge(const std::string& source, format::SampleOrder c
                                 format::SpoolWriter& writer,
                                 std::vector<std::string>& notes) const {
   std::vector<std::string> remarks = ranges_.remarks();
+  if (std::string other = reference_.remark(); !other.empty()) remarks.push_back(std::move(other));
   if (const std::string objection = samples_.objection(); !objection.empty()) {
     if (claim == format::SampleOrder::kExchangeable && !shuffled_)
       return fail(

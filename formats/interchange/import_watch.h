@@ -1,5 +1,5 @@
 // What an importer notices while it writes: samples that are not what the order of the recording
-// claims, and features in another convention.
+// claims, features in another convention, a reference that is another picture.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include "formats/dump_header.h"
 #include "formats/interchange/dump_plan.h"
 #include "formats/interchange/feature_ranges.h"
+#include "formats/interchange/reference_watch.h"
 #include "formats/sample_watch.h"
 #include "formats/spool_writer.h"
 #include "lib/core/error.h"
@@ -20,8 +21,8 @@ class ImportWatch {
  public:
   explicit ImportWatch(const DumpPlan& plan);
 
-  // A block of samples [begin, begin + count) of the layers of a group; radiance is a group of its
-  // own.
+  // A block of samples [begin, begin + count) of the layers of a group, or of their one value a
+  // pixel; radiance is a group of its own.
   void add(const format::PixelRect& rect, uint32_t begin, uint32_t count, format::DataType type,
            std::span<const ForeignLayer> layers, std::span<const std::byte> block);
 
@@ -34,6 +35,7 @@ class ImportWatch {
  private:
   format::SampleWatch samples_;
   FeatureRanges ranges_;
+  ReferenceWatch reference_;
   bool shuffled_;
 };
 

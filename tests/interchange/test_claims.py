@@ -1,4 +1,4 @@
-"""Samples that are not what a dump claims of them, in folders and arrays alike; features in another convention."""
+"""Samples that are not what a dump claims of them, in folders and arrays alike; features in another convention; references of another picture."""
 import numpy as np
 import pytest
 import spool
@@ -161,3 +161,48 @@ def test_an_albedo_that_is_not_finite_is_not_above_1(tmp_path):
     np.savez(tmp_path / "a.npz", radiance=RNG.random(SHAPE + (3,)).astype("f4"), albedo=albedo)
     code, message = run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC"))[0]
     assert code == 0 and "not finite" in message and "above 1" not in message, message
+
+
+# A picture without symmetry, 64 x 64 pixels and 8 samples, and a reference of other samples.
+PICTURE = np.random.default_rng(38).gamma(1, 1, (8, 8, 1, 3)).repeat(8, 0).repeat(8, 1) * np.linspace(0.2, 1, 64)[:, None, None, None]
+NOISY = (PICTURE * np.random.default_rng(39).exponential(1, (64, 64, 8, 3))).astype("f4")
+JUDGE = (PICTURE * np.random.default_rng(40).gamma(256, 1 / 256, (64, 64, 1, 3)))[:, :, 0].astype("f4")
+OTHER = {
+    "upside down": (JUDGE[::-1], "upside down"), "mirrored": (JUDGE[:, ::-1], "mirrored"),
+    "turned": (JUDGE[::-1, ::-1], "turned by 180 degrees"), "transposed": (JUDGE.transpose(1, 0, 2), "with x and y exchanged"),
+    "BGR": (JUDGE[..., ::-1], "the samples with red and blue exchanged"),
+    "BGR upside down": (JUDGE[::-1, :, ::-1], "upside down and with red and blue exchanged"),
+    "exposure": (2 * JUDGE, "has 2 times the light"), "encoded": (JUDGE.clip(0, 1) ** (1 / 2.2), "times the light"),
+    "another frame": (np.roll(JUDGE, 11, 1), "times the light"), "tone-mapped": (JUDGE / (1 + JUDGE), "times the light"), "clamped": (JUDGE.clip(0, 1), "times the light"),
+}
+
+
+def judged(tmp_path, light, reference, *options):
+    np.savez(tmp_path / "a.npz", radiance=light, reference=np.ascontiguousarray(reference))
+    return run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC", "force", *options))[0]
+
+
+@pytest.mark.parametrize("kind", OTHER)
+def test_a_reference_of_another_picture_is_named(tmp_path, kind):
+    reference, remark = OTHER[kind]
+    for light, options in ((NOISY, ()), (NOISY.astype("f2"), ("tile=16", "block=3"))):
+        code, message = judged(tmp_path, light, reference.astype(light.dtype), *options)
+        assert code == 0 and message.startswith("reference: ") and remark in message and message.count(";") == 1, message
+        with spool.open(tmp_path / "a.spool") as dump:
+            assert remark in dump.meta["import_remarks"][0]
+
+
+def test_a_reference_of_the_same_picture_is_not_remarked(tmp_path):
+    rare = np.where(np.random.default_rng(41).random((64, 64, 8, 3)) < 0.002, 500 * NOISY, 0)
+    few = NOISY[:, :, :1]
+    gaps = np.where(np.random.default_rng(42).random((64, 64, 1, 1)) < 0.1, np.nan, NOISY)
+    for light, reference in ((NOISY, JUDGE), (few, JUDGE), (rare, JUDGE), (NOISY[:15, :15], 2 * JUDGE[:15, :15]),
+                             (NOISY, np.where(JUDGE > 2, np.inf, JUDGE)), (gaps, JUDGE), (0 * NOISY, 0 * JUDGE)):
+        code, message = judged(tmp_path, light.astype("f4"), reference.astype("f4"))
+        assert code == 0 and "reference" not in message, message
+
+
+def test_a_large_picture_is_judged_by_a_part_of_its_pixels(tmp_path):
+    light, reference = NOISY[:, :, :2].repeat(3, 0).repeat(3, 1), JUDGE.repeat(3, 0).repeat(3, 1)
+    assert judged(tmp_path, light, reference) == (0, "")
+    assert "mirrored" in judged(tmp_path, light, reference[:, ::-1])[1]
