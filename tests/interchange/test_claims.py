@@ -1,4 +1,6 @@
 """Samples that are not what a dump claims of them, in folders and arrays alike; features in another convention; references of another picture."""
+import warnings
+
 import numpy as np
 import pytest
 import spool
@@ -190,6 +192,9 @@ def test_a_reference_of_another_picture_is_named(tmp_path, kind):
         assert code == 0 and message.startswith("reference: ") and remark in message and message.count(";") == 1, message
         with spool.open(tmp_path / "a.spool") as dump:
             assert remark in dump.meta["import_remarks"][0]
+        with pytest.warns(UserWarning) as warned:
+            spool.write(tmp_path / "b.spool", light, reference=reference.astype(light.dtype), force=True)
+        assert str(warned[0].message) == f"{tmp_path / 'b.spool'}: " + message.removesuffix("; ").replace("reference: ", "the reference ")
 
 
 def test_a_reference_of_the_same_picture_is_not_remarked(tmp_path):
@@ -200,6 +205,9 @@ def test_a_reference_of_the_same_picture_is_not_remarked(tmp_path):
                              (NOISY, np.where(JUDGE > 2, np.inf, JUDGE)), (gaps, JUDGE), (0 * NOISY, 0 * JUDGE)):
         code, message = judged(tmp_path, light.astype("f4"), reference.astype("f4"))
         assert code == 0 and "reference" not in message, message
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            spool.write(tmp_path / "b.spool", light.astype("f4"), reference=reference.astype("f4"), force=True)
 
 
 def test_a_large_picture_is_judged_by_a_part_of_its_pixels(tmp_path):

@@ -10,6 +10,7 @@ from .error import SpoolError
 from .writer import Writer
 
 _DTYPES = {"f2": "<f2", "f4": "<f4", "f8": "<f4", "u1": "<u4", "u2": "<u4", "u4": "<u4", "b1": "<u4"}
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 PIXEL_LAYERS = {"reference", "reference_variance", "sample_variance"}
 
 
@@ -59,6 +60,7 @@ def check_reference(path, arrays):
     """Errors are debiased by its variance, and made too small where it is of the same samples."""
     _check_variance(path, arrays)
     _note_own_mean(path, arrays)
+    _note_other_picture(path, arrays)
 
 
 def _check_variance(path, arrays):
@@ -89,12 +91,57 @@ def is_mean_of(samples, reference):
 def _note_own_mean(path, arrays):
     """What is judged by the mean of its own samples is judged too kindly (lib/experiment/reference.cpp)."""
     radiance, reference = arrays["radiance"], arrays.get("reference")
-    if reference is None or reference.shape != (*radiance.shape[:2], 3):
+    if not _judges(radiance, reference):
         return
     rows = slice(None, None, 1 + radiance.size // 2**20)
     if is_mean_of(radiance[rows].astype(np.float64), reference[rows]):
         warnings.warn(f"{path}: the reference is the mean of these samples, which judges them too kindly: render one of other samples, "
                       "or leave it out", stacklevel=4)
+
+
+def _judges(radiance, reference):
+    return reference is not None and reference.shape == (*radiance.shape[:2], 3)
+
+
+def _note_other_picture(path, arrays):
+    """As `spool pack` remarks it (formats/interchange/reference_watch.cpp)."""
+    radiance, reference = arrays["radiance"], arrays.get("reference")
+    if not _judges(radiance, reference):
+        return
+    rows = slice(None, None, 1 + radiance.size // 2**22)
+    views = {"": reference, "upside down": reference[::-1], "mirrored": reference[:, ::-1], "turned by 180 degrees": reference[::-1, ::-1],
+             **({"with x and y exchanged": reference.transpose(1, 0, 2)} if reference.shape[0] == reference.shape[1] else {})}
+    if found := other_picture(radiance[rows].astype(np.float64), {name: view[rows].astype(np.float64) for name, view in views.items()}):
+        warnings.warn(f"{path}: the reference {found}", stacklevel=4)
+
+
+def other_picture(samples, views):
+    """What is wrong with a reference, as views {"": [y][x][c], "mirrored": ...}, beside the samples [y][x][s][c], float64; or nothing."""
+    finite = np.isfinite(samples).all(axis=3)
+    n = finite.sum(axis=2)
+    compared = (n > 0) & np.all([np.isfinite(view).all(axis=2) for view in views.values()], axis=0)
+    if compared.sum() < 256:
+        return ""
+    with np.errstate(all="ignore"):  # whatever the samples are
+        samples, n = np.where(finite[..., None], samples, 0)[compared], n[compared]
+        mean, light = samples.sum(axis=1) / n[:, None], samples @ _LUMINANCE
+        scale = np.abs(views[""][compared] @ _LUMINANCE).mean()
+        tone = lambda v: v / (np.abs(v) + scale)  # noqa: E731
+        distances = {(name, order): np.sum((tone(mean) - tone(view[compared][:, ::order])) ** 2) for name, view in views.items() for order in (1, -1)}
+        best = min(distances, key=distances.get)
+        if distances[best] < 0.7 * distances["", 1]:
+            return f"fits the samples {' and '.join(filter(None, (best[0], 'with red and blue exchanged' * (best[1] < 0))))}: save both alike"
+        sure = n > 1
+        n, mine, judge = n[sure], light[sure].sum(axis=1) / n[sure], views[""][compared][sure] @ _LUMINANCE
+        variance = np.abs((light[sure] ** 2).sum(axis=1) - n * mine ** 2) / (n - 1) / n
+    order = np.argsort(judge, kind="stable")
+    quarter = compared.sum() // 4
+    for part, much, where in ((order, 1.1, ""), (order[len(order) - quarter:], 1.5, " in the brightest quarter"), (order[:quarter], 1.5, " in the darkest quarter")):
+        has, wanted, noise = judge[part].sum(), mine[part].sum(), 6.1 * np.sqrt(variance[part].sum())
+        if has > 0 and wanted > 0 and abs(has - wanted) >= noise and not 1 / much <= has / wanted <= much:
+            return (f"has {has / wanted:.2g} times the light of the samples{where}, beyond their noise: save the same picture in their units, "
+                    "linear, with nothing clamped")
+    return ""
 
 
 def _write_all(writer, arrays, declared):
