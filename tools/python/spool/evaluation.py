@@ -32,7 +32,7 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
     `plan`: the path of a TOML file, or a dict of the same keys, in which "recordings" may be Dumps, Recordings and
     arrays, and "samplers" and "filters" functions made by @spool.sampler and @spool.filter. `output`: the folder of
     the results, which the same call continues; without it they go with the Results, and no images are kept of a dict.
-    Where some fail, the SpoolError has the Results of all as `results`, and with `output` the folder has them.
+    Where some fail, the SpoolError has the Results of all as `results`.
     `executor`: any concurrent.futures.Executor, whose workers find the recordings under the same paths: each task is a
     sampling run on one thread, the most expensive first; the same bits. `progress(share, done, of)` is called a few
     times a second, with an executor after each task.
@@ -49,14 +49,15 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
         if isinstance(plan, dict) and not kept:
             plan = {"pictures": False, **plan}  # they would not be looked at
         written, name, beside = _text_of(plan, scratch)
+        earlier = _versions(place)
         try:
             if executor is None:
                 _core.evaluate(written, name, beside, place, *switches, None, False, 0, progress)
             else:
                 spread(executor, Plan(written, name, beside, switches[1]), place, switches[0], progress)
         except SpoolError as reason:
-            # Results that are there are kept, whatever the rest of the plan did.
-            if folder and all(os.path.isfile(os.path.join(place, file)) for file in _FILES):
+            # Results that this call wrote are kept, whatever the rest of the plan did.
+            if all(version and version != before for version, before in zip(_versions(place), earlier)):
                 reason.results = Results(place, folder)
             raise
     return Results(place, folder)
@@ -119,6 +120,15 @@ class Results:
 
 
 _FILES = ("results.jsonl", "statistics.json")
+
+
+def _versions(folder):
+    """What differs once a file was written anew; None where there is none."""
+    found = []
+    for file in (os.path.join(folder, name) for name in _FILES):
+        state = os.stat(file) if os.path.isfile(file) else None
+        found.append(state and (state.st_ino, state.st_mtime_ns, state.st_size))
+    return found
 _LARGEST_PLAN = 16 << 20  # as the program's
 
 
