@@ -100,6 +100,8 @@ def test_the_variance_is_that_layer_of_an_own_image_and_a_variance(run, good, im
     good("reconstruct", dump, "--spp", 4, "--filter", "directional", "--layers", "-o", "own.exr")
     pixels = {c: read_exr(tmp_path / "own.exr", f"variance.{c}").astype("f4") for c in "RGB"}
     spool.exr.write(tmp_path / "v.exr", pixels)
+    assert "nothing is debiased" in good("metrics", *images).out
+    assert "debiased without" not in good("metrics", *images, "--variance", "v.exr").out
     alone, own = (good("metrics", *images, "--variance", name, "--json").json for name in ("v.exr", "own.exr"))
     assert own["metrics"] == alone["metrics"] != good("metrics", *images, "--json").json["metrics"]
     for value in (-1, np.nan, np.inf):

@@ -152,8 +152,11 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
     print(format_columns(rows, 2));
     print(
         fmt::format("\n{} judged; relative metrics after a factor {:.4g} on both images "
-                    "(--set rel_scale=none: as they are); +- one standard error\n",
-                    counted(table.pixels, "pixel"), table.relative_scale));
+                    "(--set rel_scale=none: as they are); +- one standard error{}\n",
+                    counted(table.pixels, "pixel"), table.relative_scale,
+                    reference.variance ? ""
+                                       : "; the reference taken as exact: nothing is debiased "
+                                         "without its --variance"));
   }
   if (!options.error_map.empty()) {
     Result<void> written =
