@@ -141,7 +141,8 @@ def test_captions_tables_and_curves_say_what_judged_and_of_the_pool_that_it_is_b
     text = text.replace('"failed": 0', '"failed": 2', 1).replace('"biased": false', f'"biased": {json.dumps("biased" in reference)}')
     (folder / "statistics.json").write_text(text)
     assert main([str(folder), "-o", str(tmp_path / "f")]) == 0
-    biased, kind = "biased" in reference, reference.split(" ")[0]
+    biased = "biased" in reference
+    kind = "all samples" if biased else "an independent reference"
     out = capsys.readouterr().out
     assert out.endswith(f"Judged by {kind}. BIASED: errors are too small, and differently for each method.\n") == biased
     drawn = read(tmp_path / "f" / "curves.csv")[0][HOSTILE][f"{HOSTILE} + box"]
@@ -200,7 +201,7 @@ def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():
     assert notes(few, ["c + d"]) == " Means without an interval: withheld (few pixels)."
     said = numbers_text(Statistics({"scenes": [], "results": [{"replicates": 3, "failed": 0, "threads": 0, "reference": "holdout"}], "conditions": [],
                                     "curves": [], "overall": []}), "relmse", shared)
-    assert "Judged by holdout." in said
+    assert "Judged by samples held out." in said
     assert said.count("another recording") == 1 and said.endswith("wider where replicates share samples.")
 
 

@@ -55,6 +55,10 @@ def hide_crowded_letters(ranking):
     return crowded
 
 
+JUDGES = {"independent": "an independent reference", "holdout": "samples held out", "holdout_pair": "samples held out in two halves",
+          "leave_selected_out": "the samples that were not taken", "crossfit": "the other half of the samples", "pool": "all samples"}
+
+
 class Statistics:
     def __init__(self, data):
         self.rules = data.get("rules", {})
@@ -97,7 +101,8 @@ class Statistics:
 
     def judged_text(self):
         """By what reference; of one that is biased, what spool evaluate warns of."""
-        kinds = ", ".join(sorted({entry["reference"].removesuffix(BIASED) for entry in self.results} - {""}))
+        found = sorted({entry["reference"].removesuffix(BIASED) for entry in self.results} - {""})
+        kinds = ", ".join(JUDGES.get(kind, kind) for kind in found)
         return f"Judged by {kinds}." + (" BIASED: errors are too small, and differently for each method." if self.biased else "")
 
     def failed_text(self):
