@@ -63,7 +63,8 @@ def test_partial_name_is_never_opened_as_complete(tmp_path):
 def test_existing_target_needs_force(tmp_path):
     path = tmp_path / "a.spool"
     path.write_bytes(b"precious")
-    usage(writer, path)
+    with pytest.raises(spool.SpoolError, match="exists: choose another name or give force=True"):
+        writer(path)
     assert path.read_bytes() == b"precious"
     with writer(path, force=True):
         assert path.read_bytes() == b"precious"

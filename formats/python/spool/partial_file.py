@@ -28,7 +28,7 @@ class PartialFile:
         self._failed = None
         self._synced, self._synced_at = 0, time.monotonic()
         if not force and os.path.lexists(self.path):
-            raise self.error("usage", "exists: choose another name or ask to replace it")
+            raise self.error("usage", "exists: choose another name or give force=True")
         if os.path.exists(self.path) and not os.path.isfile(self.path):  # a device would be lost
             raise self.error("usage", "is no regular file: give the name of a file")
         flags = os.O_RDWR | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
