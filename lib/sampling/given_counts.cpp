@@ -10,8 +10,9 @@ Result<SamplingResult> sample_given_counts(const SamplePool& pool, long long bud
                                            const CountImage& counts, const std::string& name,
                                            const SamplingContext& context) {
   if (counts.width() != pool.width() || counts.height() != pool.height()) {
-    return fail(ErrorCode::kData, "{}: {} x {} counts do not fit the recording's {} x {} pieces",
-                name, counts.width(), counts.height(), pool.width(), pool.height());
+    return fail(ErrorCode::kData,
+                "{}: is {} x {} counts, the recording {} x {} pieces: make it as large", name,
+                counts.width(), counts.height(), pool.width(), pool.height());
   }
   for (int y = 0; y < counts.height(); ++y) {
     for (int x = 0; x < counts.width(); ++x) {

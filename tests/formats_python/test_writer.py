@@ -271,3 +271,9 @@ def test_remarks_of_two_processes_all_arrive(tmp_path):
                              env={"PYTHONPATH": os.pathsep.join(sys.path)}) for name in "ab"]
     assert [process.wait() for process in both] == [0, 0]
     assert len(spool.open(tmp_path / "a.spool").meta) == 20
+
+
+def test_layers_of_unequal_numbers_of_samples_are_named(tmp_path):
+    light = np.ones((9, 10, 8, 3), "f4")
+    with pytest.raises(spool.SpoolError, match=r"a\.spool: passes from 0 on: radiance has 8, albedo has 4: as many of each, up to the 8 of the file"):
+        spool.write(tmp_path / "a.spool", light, albedo=light[:, :, :4])

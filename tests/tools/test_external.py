@@ -280,6 +280,8 @@ def test_counts_are_a_sampler(good, run, dump, tmp_path):
     replay(run, dump, "counts:mine.exr", spp=3).failed_with(1, "counts:mine.exr", "--spp")
     exr.write(tmp_path / "mine.exr", {"n": np.where(np.eye(20, 24) > 0, np.uint32(17), np.uint32(1))}, force=True)
     replay(run, dump, "counts:mine.exr", spp=16).failed_with(1, "counts:mine.exr", "outside 0 .. 16")
+    exr.write(tmp_path / "turned.exr", {"n": n.T})
+    replay(run, dump, "counts:turned.exr").failed_with(1, "is 20 x 24 counts, the recording 24 x 20 pieces: make it as large")
     replay(run, dump, "counts:none.exr").failed_with(3, "none.exr")
     replay(run, dump, "counts").failed_with(2, "counts:FILE.exr")
     replay(run, dump, "counts:mine.exr", "--set", "counts.x=1").failed_with(2, "x")

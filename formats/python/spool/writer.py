@@ -137,7 +137,8 @@ class Writer:
             ready[name] = array
             counts.add(array.shape[2])
         if len(counts) != 1 or 0 in counts or first + max(counts) > self.geometry.spp:
-            raise self._error(f"{sorted(counts)} passes from {first} on, the file takes {self.geometry.spp}")
+            given = ", ".join(f"{name} has {array.shape[2]}" for name, array in ready.items())
+            raise self._error(f"passes from {first} on: {given}: as many of each, up to the {self.geometry.spp} of the file")
         self._next_pass += counts.pop()
         for name, array in ready.items():
             self._pending[name].append(array)
