@@ -4,6 +4,8 @@ import shutil
 
 import numpy as np
 import pytest
+import spool
+from spool import exr
 
 from conftest import samples, write_dump
 from results_comparison import changed_cells
@@ -155,6 +157,18 @@ def test_energy_is_the_mean_of_the_images(good, tmp_path):
     assert mean == pytest.approx(np.mean(energies)) == pytest.approx(1, abs=0.1)
     assert np.exp(np.mean(np.log(energies))) < 0.8 and high - mean == pytest.approx(mean - low)
     assert "Light is lost" not in text and not [e for c in statistics["conditions"] for e in c["ranking"] if "loses_energy" in e]
+
+
+def test_light_that_is_lost_or_gained_is_named_with_the_largest_first(good, tmp_path):
+    made(tmp_path / "a.spool", 1)
+    with spool.open(tmp_path / "a.spool") as dump:
+        reference = dump.pixel("reference")
+    images = {"dark": 0.5, "equal": 1.001, "bright": 1.5, "brighter": 2}
+    for name, factor in images.items():
+        exr.write(tmp_path / f"{name}.exr", {c: factor * reference[..., i] for i, c in enumerate("RGB")})
+    text = good("evaluate", "a.spool", "--filters", ",".join(f"{name}=image:{name}.exr" for name in images), "--spp", 4, "-o", "out").out
+    assert "Light is lost by more than 2 % beyond the interval: uniform + dark (up to 50.0 %).\n" in text
+    assert "Light is gained by more than 2 % beyond the interval: uniform + brighter (up to 100.0 %), uniform + bright (up to 50.0 %).\n" in text
 
 
 def test_energies_have_a_mean_over_scenes(good, tmp_path):

@@ -190,7 +190,7 @@ std::string remarks_text(const Study& study, const ShownResults& shown, const Sh
     text += fmt::format("The {} best by relMSE of each recording and budget{}, of {} in all.\n",
                         kBestShown, compared ? " and the baseline" : "", all.size());
   }
-  text += would_decide_text(shown) + support_text(shown, wide) + losses_text(shown) +
+  text += would_decide_text(shown) + support_text(shown, wide) + light_text(shown) +
           exchange_text(shown);
   if (std::ranges::any_of(shown, is_described_sampler) ||
       std::ranges::any_of(shown, is_described_filter))

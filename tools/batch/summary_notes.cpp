@@ -52,6 +52,24 @@ std::string fewest_text(const Fewest& fewest) {
       100.0 * fewest.share);
 }
 
+// The methods with the largest shares.
+std::string worst_text(const char* what, const std::map<std::string, double>& worst) {
+  constexpr std::size_t kMost = 3;
+  if (worst.empty()) return "";
+  std::vector<std::pair<double, std::string>> order;
+  for (const auto& [method, share] : worst)
+    order.emplace_back(-share, method);
+  std::ranges::sort(order);
+  std::vector<std::string> parts;
+  for (const auto& [share, method] : order) {
+    if (parts.size() < kMost)
+      parts.push_back(fmt::format("{} (up to {:.1f} %)", visible_text(method), -100.0 * share));
+  }
+  if (order.size() > kMost) parts.push_back(fmt::format("{} more", order.size() - kMost));
+  return fmt::format("{} by more than 2 % beyond the interval: {}.\n", what,
+                     fmt::join(parts, ", "));
+}
+
 }  // namespace
 
 std::string would_decide_text(const ShownResults& shown) {
@@ -99,27 +117,20 @@ std::string support_text(const ShownResults& shown, bool wide) {
   return text;
 }
 
-std::string losses_text(const ShownResults& shown) {
-  constexpr std::size_t kMost = 3;
-  std::map<std::string, double> worst;
+std::string light_text(const ShownResults& shown) {
+  constexpr double kGain = 0.02;  // as of losses
+  std::map<std::string, double> lost, gained;
   for (const RankedResult& result : shown) {
-    if (!result.relmse || !result.relmse->loses_energy) continue;
-    double& loss = worst[shown_method(result)];
-    loss = std::max(loss, *result.relmse->loses_energy);
+    if (!result.relmse) continue;
+    const auto note = [&](std::map<std::string, double>& worst, double share) {
+      double& most = worst[shown_method(result)];
+      most = std::max(most, share);
+    };
+    if (result.relmse->loses_energy) note(lost, *result.relmse->loses_energy);
+    const Interval& energy = result.relmse->energy;
+    if (energy.low > 1.0 + kGain) note(gained, energy.mean - 1.0);
   }
-  if (worst.empty()) return "";
-  std::vector<std::pair<double, std::string>> order;
-  for (const auto& [method, loss] : worst)
-    order.emplace_back(-loss, method);
-  std::ranges::sort(order);
-  std::vector<std::string> parts;
-  for (const auto& [loss, method] : order) {
-    if (parts.size() < kMost)
-      parts.push_back(fmt::format("{} (up to {:.1f} %)", visible_text(method), -100.0 * loss));
-  }
-  if (order.size() > kMost) parts.push_back(fmt::format("{} more", order.size() - kMost));
-  return fmt::format("Light is lost by more than 2 % beyond the interval: {}.\n",
-                     fmt::join(parts, ", "));
+  return worst_text("Light is lost", lost) + worst_text("Light is gained", gained);
 }
 
 std::string exchange_text(const ShownResults& shown) {

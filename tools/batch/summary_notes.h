@@ -1,5 +1,5 @@
 // The lines below the table of `spool evaluate`: what would decide more, what stands on little,
-// what loses light, what time commands take. Each is empty where there is nothing to say.
+// what loses or gains light, what time commands take. Each is empty where there is nothing to say.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace spool::tools {
 std::string would_decide_text(const ShownResults& shown);
 // How many have no verdict and why, and the result that stands on the fewest pixels.
 std::string support_text(const ShownResults& shown, bool wide);  // by MSE, too, where wide
-std::string losses_text(const ShownResults& shown);
+std::string light_text(const ShownResults& shown);
 // Commands spend time on their start and on files, which is not the method's.
 std::string exchange_text(const ShownResults& shown);
 
