@@ -70,7 +70,19 @@ def test_wrong_references_are_found():
 
 def test_the_mean_of_the_samples_themselves_is_found():
     rng = np.random.default_rng(13)
-    samples = draw(rng, scene(rng), SAMPLES).astype("f4")
-    for reference, own in ((samples.mean(axis=2), True), (samples[:, :, 1:].mean(axis=2), False), (draw(rng, scene(rng), SHORT).mean(axis=2), False)):
+    truth = scene(rng)
+    samples = draw(rng, truth, SAMPLES).astype("f4")
+    for reference, own in ((samples.mean(axis=2), True), (samples[:, :, 1:].mean(axis=2), False), (draw(rng, truth, SHORT).mean(axis=2), False)):
         dump = SimpleNamespace(layers={"reference": reference}, pixel={"reference": reference}.get, sample_order="renderer", meta={})
         assert [entry["holds"] for entry in reference_findings(dump, samples, LEVEL)] == [False if own else None]
+
+
+@pytest.mark.parametrize("harm, words", [(lambda r: r, ""), (lambda r: r[::-1], "upside down"), (lambda r: 2 * r, "2 times the light"),
+                                         (lambda r: np.roll(r, 5, 1), "times the light")])
+def test_a_reference_without_a_variance_is_of_the_same_picture(harm, words):
+    rng = np.random.default_rng(14)
+    truth = scene(rng)
+    layers = {"reference": harm(draw(rng, truth, 1024).mean(axis=2))}
+    dump = SimpleNamespace(layers=layers, pixel=layers.get, sample_order="renderer", meta={})
+    found = reference_findings(dump, draw(rng, truth, SAMPLES), LEVEL)
+    assert [entry["holds"] for entry in found] == [False if words else None] and words in str(found)

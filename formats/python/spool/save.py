@@ -109,14 +109,16 @@ def _note_other_picture(path, arrays):
     if not _judges(radiance, reference):
         return
     rows = slice(None, None, 1 + radiance.size // 2**22)
-    views = {"": reference, "upside down": reference[::-1], "mirrored": reference[:, ::-1], "turned by 180 degrees": reference[::-1, ::-1],
-             **({"with x and y exchanged": reference.transpose(1, 0, 2)} if reference.shape[0] == reference.shape[1] else {})}
-    if found := other_picture(radiance[rows].astype(np.float64), {name: view[rows].astype(np.float64) for name, view in views.items()}):
+    if found := other_picture(radiance[rows].astype(np.float64), reference, rows):
         warnings.warn(f"{path}: the reference {found}", stacklevel=4)
 
 
-def other_picture(samples, views):
-    """What is wrong with a reference, as views {"": [y][x][c], "mirrored": ...}, beside the samples [y][x][s][c], float64; or nothing."""
+def other_picture(samples, reference, rows=slice(None)):
+    """What is wrong with a reference [y][x][c] beside the samples [y][x][s][c] of these rows, float64; or nothing."""
+    views = {"": reference, "upside down": reference[::-1], "mirrored": reference[:, ::-1], "turned by 180 degrees": reference[::-1, ::-1]}
+    if reference.shape[0] == reference.shape[1]:
+        views["with x and y exchanged"] = reference.transpose(1, 0, 2)
+    views = {name: view[rows].astype(np.float64) for name, view in views.items()}
     finite = np.isfinite(samples).all(axis=3)
     n = finite.sum(axis=2)
     compared = (n > 0) & np.all([np.isfinite(view).all(axis=2) for view in views.values()], axis=0)
