@@ -92,6 +92,10 @@ double quotient(double n, double d) {
                                    : std::copysign(kInfinity, n);
 }
 
+bool in_several_blocks(std::span<const double> denominator) {
+  return std::ranges::count_if(denominator, [](double d) { return d != 0.0; }) >= 2;
+}
+
 Estimate ratio_of_sums(const BlockBootstrap& bootstrap, std::span<const double> numerator,
                        std::span<const double> denominator) {
   const auto ratio = [&](std::span<const double> weights) {
@@ -99,7 +103,7 @@ Estimate ratio_of_sums(const BlockBootstrap& bootstrap, std::span<const double> 
   };
   Estimate estimate;
   estimate.value = ratio({});
-  if (bootstrap.blocks() < 2) return estimate;
+  if (!in_several_blocks(denominator)) return estimate;
   std::vector<double> resampled(static_cast<std::size_t>(bootstrap.resamples()));
   for (int r = 0; r < bootstrap.resamples(); ++r)
     resampled[static_cast<std::size_t>(r)] = ratio(bootstrap.weights(r));

@@ -57,8 +57,12 @@ struct Estimate {
   double value = std::numeric_limits<double>::quiet_NaN();
   double standard_error = std::numeric_limits<double>::quiet_NaN();
 };
+// Whether two blocks at least have something of what is averaged over, [block]: resamples of one
+// are all alike, which is no standard error of 0.
+bool in_several_blocks(std::span<const double> denominator);
+
 // sum(numerator) / sum(denominator) over blocks with its bootstrap standard error. The standard
-// error is NaN when there is only one block. `numerator` and `denominator`: [block].
+// error is NaN where not in_several_blocks(denominator). `numerator` and `denominator`: [block].
 Estimate ratio_of_sums(const BlockBootstrap& bootstrap, std::span<const double> numerator,
                        std::span<const double> denominator);
 

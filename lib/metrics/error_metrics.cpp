@@ -62,7 +62,6 @@ class Evaluation {
     table_.resampled.resize(metric_list().size());
     table_.blocks = bootstrap_.blocks();
     if (table_.pixels == 0) return std::move(table_);
-    const bool resamples = bootstrap_.blocks() > 1;
     add_perceptual();
     if (options_.support) {
       table_.squared = support(squared_, largest(largest_squared_, squared_), kDecileSquares);
@@ -73,7 +72,8 @@ class Evaluation {
       const Metric& metric = metric_list()[m];
       if (metric.rule == Rule::kPerceptual || !wants(m)) continue;
       table_.values[m].value = value(metric, kWhole);
-      if (!resamples || metric.rule == Rule::kMaximum) continue;
+      if (metric.rule == Rule::kMaximum || !in_several_blocks(sums_of(metric.denominator)))
+        continue;
       std::vector<double>& resampled = table_.resampled[m];
       for (int r = 0; r < bootstrap_.resamples(); ++r)
         resampled.push_back(value(metric, r));
@@ -329,6 +329,10 @@ class Evaluation {
       for (std::size_t t = 0; t < kTermCount; ++t)
         sums_[t][b] = sums[t];
     });
+  }
+
+  const std::vector<double>& sums_of(int term) const {
+    return sums_[static_cast<std::size_t>(term)];
   }
 
   // Of a resample, or of the whole.

@@ -36,11 +36,13 @@ struct BlockMeans {
 
 using Statistic = std::function<double(std::span<const double> weights)>;
 
+// `scales`: what the statistic is made of.
 PerceptualValue bootstrapped(std::string name, const BlockBootstrap& bootstrap,
-                             const Statistic& statistic) {
+                             std::span<const BlockMeans> scales, const Statistic& statistic) {
   PerceptualValue value{std::move(name), {}, {}};
   value.estimate.value = statistic({});
-  if (bootstrap.blocks() < 2) return value;
+  const auto several = [](const BlockMeans& means) { return in_several_blocks(means.count); };
+  if (!std::ranges::all_of(scales, several)) return value;
   for (int r = 0; r < bootstrap.resamples(); ++r)
     value.resampled.push_back(statistic(bootstrap.weights(r)));
   value.estimate.standard_error = standard_error_of(value.resampled);
@@ -70,7 +72,7 @@ PerceptualValue ms_ssim(const std::vector<SimilarityMaps>& maps, const BlockBoot
     scales.emplace_back(last ? maps[j].ssim : maps[j].contrast_structure, 1 << j, bootstrap);
   }
   const std::vector<double> weights = ms_ssim_weights(static_cast<int>(maps.size()));
-  return bootstrapped("ms_ssim", bootstrap, [&](std::span<const double> blocks) {
+  return bootstrapped("ms_ssim", bootstrap, scales, [&](std::span<const double> blocks) {
     std::vector<double> means;
     for (const BlockMeans& scale : scales)
       means.push_back(scale.mean(blocks));
@@ -80,7 +82,7 @@ PerceptualValue ms_ssim(const std::vector<SimilarityMaps>& maps, const BlockBoot
 
 PerceptualValue map_mean(const char* name, const Plane& map, const BlockBootstrap& bootstrap) {
   const BlockMeans means(map, 1, bootstrap);
-  return bootstrapped(name, bootstrap,
+  return bootstrapped(name, bootstrap, std::span(&means, 1),
                       [&](std::span<const double> blocks) { return means.mean(blocks); });
 }
 

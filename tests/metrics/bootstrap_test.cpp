@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/metrics/energy_masks.h"
 #include "lib/metrics/error_metrics.h"
 #include "tests/support/random_images.h"
 
@@ -95,6 +96,28 @@ TEST(BlockBootstrap, StandardErrorDividesByOneLessThanTheFiniteValues) {
 TEST(BlockBootstrap, OneBlockHasNoStandardError) {
   const RgbImage r = test::uniform_image(16, 16, 3);
   EXPECT_TRUE(std::isnan(error_metrics(add_noise(r, 4, 0.1), {r, {}, {}})["mse"].standard_error));
+}
+
+// The image has several blocks, what is averaged lies in one: resamples say nothing of its error.
+TEST(BlockBootstrap, WhatLiesInOneBlockHasNoStandardError) {
+  const RgbImage r = test::uniform_image(20, 20, 3), i = add_noise(r, 4, 0.1);
+  const MetricTable small = error_metrics(i, {r, {}, {}});
+  EXPECT_GT(small["mse"].standard_error, 0.0);
+  for (const char* name : {"ssim", "ms_ssim"})  // centres of whole windows: 5 .. 14
+    EXPECT_TRUE(std::isnan(small[name].standard_error)) << name;
+  RgbImage holed = make_rgb(20, 20, std::nan(""));
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int x = 0; x < 16; ++x)
+      holed[c](x, 3) = i[c](x, 3);
+  }
+  for (const char* name : {"mse", "relmse_trimmed", "energy_ratio", "psnr_tm", "flip_ldr"})
+    EXPECT_TRUE(std::isnan(error_metrics(holed, {r, {}, {}})[name].standard_error)) << name;
+  EnergyMask mask{"m", "", "m.exr", Plane(20, 20)};
+  for (int x = 0; x < 16; ++x)
+    mask.plane(x, 3) = 1.0;
+  EXPECT_TRUE(std::isnan(energy_in_mask(i, r, mask)->standard_error));
+  mask.plane(16, 3) = 1.0;
+  EXPECT_GT(energy_in_mask(i, r, mask)->standard_error, 0.0);
 }
 
 TEST(BlockBootstrap, RatioOfSumsEqualsTheRatio) {
