@@ -61,8 +61,8 @@ About about(const Plan& plan, const PlanScene& scene, const std::vector<MethodRe
   if (shared > 0.0) {
     return said("shared",
                 fmt::format("another recording of the scene; replicates of one method share up to "
-                            "{:.2g} % of their samples{}, and intervals are widened for it{}",
-                            100.0 * shared,
+                            "{:g} % of their samples{}, and intervals are widened for it{}",
+                            std::stod(fmt::format("{:.2g}", 100.0 * shared)),
                             plan.experiment.order == ReplicateOrder::kShuffled
                                 ? " (each shuffles the same ones)"
                                 : "",

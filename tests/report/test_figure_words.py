@@ -197,6 +197,8 @@ def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():
         {**lost, "loses_energy": n / 100}, {"sampler": "c", "filter": "d"}]} for n in (14, 5)]
     assert notes(shared, ["a + b", "c + d"]) == r" Light is lost by a + b (up to 14 \%)."
     assert notes(shared[1:], ["a + b"]) == r" Light is lost by a + b (5 \%)." and notes(shared, ["c + d"]) == ""
+    black = [{**shared[0], "ranking": [{**lost, "loses_energy": 1.0}]}]
+    assert notes(black, ["a + b"]) == r" Light is lost by a + b (100 \%)."
     few = [{**shared[0], "ranking": [{"sampler": "c", "filter": "d", "withheld": "few pixels"}]}]
     assert notes(few, ["c + d"]) == " Means without an interval: withheld (few pixels)."
     said = numbers_text(Statistics({"scenes": [], "results": [{"replicates": 3, "failed": 0, "threads": 0, "reference": "holdout"}], "conditions": [],

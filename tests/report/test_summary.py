@@ -7,6 +7,7 @@ from made_statistics import made_interval
 from tools.report.aggregate import aggregate, guard_counts
 from tools.report.failure import Failure
 from tools.report.results_table import read_results
+from tools.report.number_text import percent_text
 from tools.report.statistics_file import best_is_alone, read_statistics
 from tools.report.statistics_section import statistics_html
 from tools.report.summary import summarise, verdicts
@@ -156,8 +157,16 @@ def test_lost_energy_saturation_and_biased_references_are_said(tmp_path):
             row["energy_ratio"] = "0.94"
     text = sentences_of(tmp_path, rows)
     assert "loses 6.0 %" in text and "(it loses 6 % of the energy)" in text
+    assert [percent_text(share) for share in (1.0, 0.999, 0.0234, 0.5)] == ["100 %", "100 %", "2.3 %", "50 %"]
     assert "20.0 %" in text and "longer recording" in text
     assert "relMSE (biased)" in text and "lowest" not in text
+
+
+@pytest.mark.parametrize("half, said", [(0.4, "1 pixel bears half"), (7.2, "7 pixels bear half")])
+def test_few_pixels_are_counted(tmp_path, half, said):
+    def change(data):
+        data["results"][0]["quantities"].update(relmse_half_pixels=[half], relmse_worst_share=[0.9])
+    assert said in sentences_of(tmp_path, one_scene(), change)
 
 
 def test_failed_results_are_counted_and_left_out(tmp_path):

@@ -90,6 +90,13 @@ def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
     assert abs(student_within(reach, all_freedom) - 0.95) < 1e-3
     text = good("evaluate", dump, "--spp", 4, "-o", "text", "--wide").out
     assert f"{mean:.4g} [" in text and "results.csv" in text and "share up to 14 %" in text
+    text = good("evaluate", dump, "--spp", 16, "-o", "whole").out
+    assert "share up to 100 %" in text
+
+
+def test_one_pixel_is_no_plural(good):
+    good("synth", "scene_s", "--size", "1x1", "--samples", 16, "-o", "one.spool")
+    assert "Few pixels: 1 pixel bears half of" in good("evaluate", "one.spool", "--spp", 2, "-o", "one").out
 
 
 def bytes_of(folder, suffix):

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <utility>
@@ -44,10 +46,10 @@ struct Fewest {
 std::string fewest_text(const Fewest& fewest) {
   if (!fewest.result) return "";
   const StudyPlace& place = fewest.result->place();
+  const auto pixels = static_cast<std::uint64_t>(std::lround(std::max(1.0, fewest.pixels)));
   return fmt::format(
-      "Few pixels: {:.0f} bear half of the {} of {} ({}, {:g} spp), the worst "
-      "0.1 % {:.0f} %.\n",
-      std::max(1.0, fewest.pixels), fewest.metric->shown,
+      "Few pixels: {} half of the {} of {} ({}, {:g} spp), the worst 0.1 % {:.0f} %.\n",
+      counted(pixels, "pixel bears", "pixels bear"), fewest.metric->shown,
       visible_text(shown_method(*fewest.result)), visible_text(shown_scene(place)), place.spp,
       100.0 * fewest.share);
 }

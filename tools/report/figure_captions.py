@@ -3,7 +3,7 @@
 from tools.report.aggregate import MARK
 from tools.report.figure_tables import BOLD, NO_VERDICT
 from tools.report.figure_text import breakable, latex
-from tools.report.number_text import list_text
+from tools.report.number_text import list_text, percent_text
 from tools.report.summary import name_of, unjudged
 
 LONGEST = 12  # of a list of names
@@ -39,8 +39,8 @@ def notes(conditions, methods):
     """Of the methods that are shown: who loses light, and which are no originals."""
     lost = {}
     for entry in (e for c in conditions for e in c["ranking"] if name_of(e) in methods):
-        lost.setdefault(name_of(entry), []).append(100 * entry.get("loses_energy", 0.0))
-    names = [f"{name} ({'up to ' if len(shares) > 1 else ''}{max(shares):.2g} %)" for name, shares in lost.items() if max(shares)]
+        lost.setdefault(name_of(entry), []).append(entry.get("loses_energy", 0.0))
+    names = [f"{name} ({'up to ' if len(shares) > 1 else ''}{percent_text(max(shares))})" for name, shares in lost.items() if max(shares)]
     text = f" Light is lost by {breakable(list_text(names, LONGEST))}." if names else ""
     why = reasons(e.get("withheld") for c in conditions for e in c["ranking"] if name_of(e) in methods)
     text += f" Means without an interval: withheld ({why})." if why else ""

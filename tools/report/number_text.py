@@ -46,6 +46,11 @@ def rounded_count(count):
     return f"{float(number_text(count, 2)):.0f}"
 
 
+def percent_text(share):
+    """Two digits of it: 100 %, not 1e+02 %."""
+    return f"{float(number_text(100 * share, 2)):g} %"
+
+
 def list_text(items, longest):
     """"a, b and c"; beyond `longest`, "a, b and 5 more"."""
     if len(items) > longest:

@@ -2,7 +2,7 @@
 
 from html import escape
 
-from tools.report.number_text import known_text, number_text, rounded_count
+from tools.report.number_text import known_text, number_text, percent_text, rounded_count
 from tools.report.page import scrolled_table
 from tools.report.statistics_file import interval_of
 from tools.report.summary import name_of, unjudged
@@ -28,7 +28,7 @@ def _interval(numbers):
 
 def _rank_row(entry, baseline):
     lost = entry.get("loses_energy")
-    note = f"<small>loses {100 * lost:.2g} % of the energy</small>" if lost is not None else ""
+    note = f"<small>loses {percent_text(lost)} of the energy</small>" if lost is not None else ""
     letters = f"no verdict: {entry['withheld']}" if "withheld" in entry else entry["letters"] or unjudged(entry)
     return (f'<tr><td class="letters">{escape(letters)}</td>'
             f'<th scope="row">{escape(name_of(entry))}{note}</th>'

@@ -5,7 +5,7 @@ from collections import Counter
 from typing import NamedTuple
 
 from tools.report.metric_names import metric_name
-from tools.report.number_text import count_text, interval_text, list_text, number_text
+from tools.report.number_text import count_text, interval_text, list_text, number_text, percent_text
 from tools.report.statistics_file import best_is_alone, interval_of
 
 SATURATION_LIMIT = 0.01
@@ -129,7 +129,7 @@ def best_of(condition, metric, labels, baseline):
 
 
 def _lost(entry):
-    return f" (it loses {100 * entry['loses_energy']:.2g} % of the energy)" if "loses_energy" in entry else ""
+    return f" (it loses {percent_text(entry['loses_energy'])} of the energy)" if "loses_energy" in entry else ""
 
 
 def _against_baseline(entry, baseline):
@@ -188,9 +188,10 @@ def support(statistics, metric, labels):
     few = [entry for entry in known if entry[1] >= FEW_PIXELS]
     if few:
         half, share, worst = min(few, key=lambda entry: entry[0])
+        pixels = round(max(1.0, half))
         yield Sentence(
             f"{count_text(len(few), 'result')} stand on few pixels: of {name_of(worst)} on {labels[worst['dump']]} at "
-            f"{worst['spp']:g} spp, {max(1.0, half):.0f} pixels bear half of the {metric_name(metric)}, the worst 0.1 % {100 * share:.0f} %.", "warning")
+            f"{worst['spp']:g} spp, {count_text(pixels, 'pixel')} bear{'s' if pixels == 1 else ''} half of the {metric_name(metric)}, the worst 0.1 % {100 * share:.0f} %.", "warning")
     reasons = Counter(e["withheld"] for c in statistics.of_metric(metric) for e in c["ranking"] if "withheld" in e)
     for reason, count in reasons.items():
         yield Sentence(f"{count_text(count, 'result')} without verdict on {metric_name(metric)}: {reason}.", "warning")
