@@ -56,6 +56,21 @@ def test_hostile_names_arrive_as_text(tmp_path, assets_cache):
     assert len(re.findall(r"</script", html)) == len(ASSETS) + 2
 
 
+def test_marks_of_direction_in_names_are_shown_and_turn_no_number_around(tmp_path, assets_cache):
+    name, shown = "a\u202eb\u2066c\x9b\u2028\ufeff", "a\\u202eb\\u2066c\\u009b\\u2028\\ufeff"
+    rows = make_rows(dumps=(f"x/{name}.spool",), samplers=("uniform", name), budgets=(8,))
+    rows[0]["error"] = name
+    write_results(tmp_path / "r", rows)
+    (tmp_path / "r" / "manifest.json").write_text(json.dumps({"command": name}))
+    for title in ([], ["--title", name]):
+        assert main([str(tmp_path / "r"), "-o", str(tmp_path / "out.html"), "--force", *title]) == 0
+        html = (tmp_path / "out.html").read_text()
+        own = html.split("<script>")[0]
+        assert not set(name) - {"a", "b", "c"} & set(own) and f"{shown}</h1>" in own and f"<title>{shown}" in own.replace("Spool report: ", "")
+        data = json.loads(re.search(r'id="report-data">(.*?)</script>', html)[1])
+        assert data["dumps"] == [shown] and data["samplers"] == ["uniform", shown]
+
+
 def test_a_page_says_what_it_lacks_without_scripts(assets_cache):
     report, shown = (build_page("t", [("a", heading, "")], {}, []) for heading in ("A", ""))
     assert "Charts, table and images need JavaScript; the summary" in report

@@ -166,6 +166,21 @@ def test_results_serve_their_report_and_only_methods_of_the_program(good, scene,
         assert server.end()[0] == 130
 
 
+def test_the_page_and_the_program_call_a_recording_by_one_name_without_marks_of_direction(good, scene, tmp_path):
+    name, shown = "s\u202ex", "s\\u202ex"
+    (tmp_path / f"{name}.spool").write_bytes(scene.read_bytes())
+    good("evaluate", tmp_path / f"{name}.spool", "--spp", "4", "--replicates", "2", "-o", tmp_path / "r", "-q")
+    for target in (tmp_path / f"{name}.spool", tmp_path / "r"):
+        server = Served(target)
+        try:
+            assert [recording["label"] for recording in server.json("choices")["recordings"]] == [shown]
+            page = server.ask(server.root).content.decode()
+            assert "\u202e" not in page and shown in page
+            assert target.suffix or f'"dumps":{json.dumps([shown])}' in page
+        finally:
+            assert server.end()[0] == 130
+
+
 def test_commands_are_offered_and_run_only_where_the_user_allows_it(good, scene, tmp_path):
     (tmp_path / "den").write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\ncp {tmp_path}/image.exr \"$2\"\n")
     (tmp_path / "den").chmod(0o755)

@@ -1,7 +1,7 @@
 """Puts a report together: one HTML file that needs nothing else and may load nothing else.
 
 The policy allows the page's own scripts by their hashes and no connection; whatever a file name
-holds, it arrives as text.
+holds, it arrives as text, and none of its marks turns the numbers beside it around.
 """
 
 import base64
@@ -18,6 +18,21 @@ OWN_SCRIPTS = ("charts.js", "export_buttons.js", "headline.js", "crop_strip.js",
 
 
 WITHOUT_SCRIPTS = "Charts, table and images need JavaScript; the summary and the details of the run do not."
+
+
+# As lib/core/visible_text.h: controls, marks of direction, separators of lines.
+HIDDEN = {c: f"\\u{c:04x}" for r in ((0, 0x20), (0x7F, 0xA0), (0x61C, 0x61D), (0x200E, 0x2010), (0x2028, 0x202F), (0x2066, 0x206A),
+                                     (0xFEFF, 0xFF00)) for c in range(*r)} | {ord(c): repr(c)[1:-1] for c in "\n\r\t"}
+HIDDEN_IN_HTML = {c: shown for c, shown in HIDDEN.items() if chr(c) not in "\n\r\t"}
+
+
+def visible(value):
+    """What JSON holds, its texts with escapes for what they hide; names that are compared with the program's stay equal to them."""
+    if isinstance(value, str):
+        return value.translate(HIDDEN)
+    if isinstance(value, dict):
+        return {visible(key): visible(item) for key, item in value.items()}
+    return [visible(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def json_for_html(value):
@@ -48,6 +63,7 @@ def build_page(title, sections, data, packed, served=False, viewer_only=False):
     links = "".join(f'<a href="#{id_}">{escape(heading)}</a>' for id_, heading, _ in sections if heading)
     body = "".join(f'<section id="{id_}">{f"<h2>{escape(heading)}</h2>" if heading else ""}{html}</section>\n'
                    for id_, heading, html in sections)
+    title, body = visible(title), body.translate(HIDDEN_IN_HTML)
     images = "".join(f'<script type="text/plain" id="image-{i}">{image.text}</script>\n'
                      for i, image in enumerate(packed))
     tags = "".join(f"<script>{script}</script>\n" for script in scripts)
@@ -60,7 +76,7 @@ def build_page(title, sections, data, packed, served=False, viewer_only=False):
         + (f'<header><h1>{escape(title)}</h1><nav aria-label="Sections">{links}</nav></header>\n' if title else "") +
         f'<noscript><p class="warning">{WITHOUT_SCRIPTS if links else "Images need JavaScript."}</p></noscript>\n'
         f"<main>\n{body}</main>\n"
-        f'<script type="application/json" id="report-data">{json_for_html(data)}</script>\n'
+        f'<script type="application/json" id="report-data">{json_for_html(visible(data))}</script>\n'
         f"{images}{tags}</body>\n</html>\n")
 
 

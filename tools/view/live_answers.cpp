@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/core/visible_text.h"
 #include "lib/image_io/picture.h"
 #include "lib/statistics/piece_statistics.h"
 #include "tools/json/json_text.h"
@@ -48,7 +49,7 @@ Turn turn_of(const Query& query) {
 
 Answer answer_of(const Error& error) {
   return {error.code == ErrorCode::kUsage ? 400 : 422, "application/json",
-          json_text({{"error", error.message}})};
+          json_text({{"error", visible_text(error.message)}})};
 }
 Answer plane_answer(const PlaneText& planes) {
   return {200, "application/octet-stream", planes.text()};
@@ -123,10 +124,10 @@ std::pair<double, double> exposure_and_mean(const OpenRecording& opened) {
 
 // A recording that cannot be opened has no size: the page says why.
 ordered_json described(LiveReplays& replays, std::size_t index) {
-  ordered_json told = {{"label", replays.choices().recordings[index].label}};
+  ordered_json told = {{"label", visible_text(replays.choices().recordings[index].label)}};
   const auto opened = replays.open(index);
   if (!opened) {
-    told["error"] = opened.error().message;
+    told["error"] = visible_text(opened.error().message);
     return told;
   }
   const auto [exposure, mean] = exposure_and_mean(**opened);
@@ -143,13 +144,13 @@ Answer choices_answer(LiveReplays& replays) {
   ordered_json told = {{"recordings", ordered_json::array()},
                        {"samplers", ordered_json::array()},
                        {"filters", ordered_json::array()},
-                       {"left_out", replays.choices().left_out}};
+                       {"left_out", visible_text(replays.choices().left_out)}};
   for (std::size_t i = 0; i < replays.choices().recordings.size(); ++i)
     told["recordings"].push_back(described(replays, i));
   for (const MethodChoice& sampler : replays.choices().samplers)
-    told["samplers"].push_back(sampler.label());
+    told["samplers"].push_back(visible_text(sampler.label()));
   for (const MethodChoice& filter : replays.choices().filters)
-    told["filters"].push_back(filter.label());
+    told["filters"].push_back(visible_text(filter.label()));
   return {200, "application/json", json_text(told)};
 }
 
