@@ -34,7 +34,7 @@ def make(folder, samplers, recordings, budgets, size=(48, 40)):
     (1, 1, (4,), 1, (48, 40), ()), (3, 4, (4, 8), 1, (20, 64), ()), (8, 1, (2, 3, 4, 64, 1024), 1, (48, 40), ()),
     (3, 1, (8,), 2, (90, 30), ()), (8, 6, (2, 3, 4, 64, 1024), 2, (24, 24), ()), (8, 6, (8,), 1, (24, 24), ()),
     (1, 6, (4, 8), 1, (48, 40), ("0,0,48,12",)), (3, 2, (4,), 1, (90, 30), ("2,2,20,20", "60,5,25,8", "30,0,8,30")),
-    (5, 3, (4,), 2, (20, 64), ("0,0,20,20", "3,40,10,24"))])
+    (5, 3, (4,), 2, (20, 64), ("0,0,20,20", "3,40,10,24")), (5, 1, (8,), 2, (16, 128), ())])
 def test_no_text_lies_outside_the_page_or_over_another(tmp_path, monkeypatch, methods, recordings, budgets, column, size, crops):
     found = recorded(monkeypatch)
     folder = make(tmp_path / "r", METHODS[:methods], RECORDINGS[:recordings], budgets, size)

@@ -145,7 +145,7 @@ class Comparison:
                 top += self._head_of(index, row)
                 left = self.layout.start(row)
                 if row == 0:
-                    self._thumbnail(block, None if self.above else self.labels[index], left - 2 * GAP - self.layout.thumb[0], top)
+                    self._thumbnail(block, None if self.above else self.labels[index], left - 2 * GAP - (self.layout.side + self.layout.thumb[0]) / 2, top)
                 for place in places:
                     self._tile(block, index, place, left, top)
                     left += self.layout.tile + GAP
@@ -164,7 +164,7 @@ class Comparison:
             axes.add_patch(Rectangle((window.x - 0.5, window.y - 0.5), window.width, window.height, fill=False,
                                      edgecolor=colour, linestyle=dash, linewidth=1.2, clip_on=False, zorder=5))
         if self.errors:
-            self._colour_bar(left, wide, top + self.layout.windows + GAP)
+            self._colour_bar(left + wide / 2, top + self.layout.windows + GAP)
 
     def _norm(self):
         """Four decades below what few pixels exceed, the same for all methods."""
@@ -172,17 +172,17 @@ class Comparison:
         high = max(float(np.quantile(values, 0.995)) if values.size else 1.0, 1e-30)
         return LogNorm(1e-4 * high, high)
 
-    def _colour_bar(self, left, wide, top):
-        norm, length = self.norm, min(1.6, 0.8 * wide)
+    def _colour_bar(self, middle, top):
+        norm, length = self.norm, min(1.6, 0.8 * self.layout.side)
         powers = [k for k in range(-40, 40) if norm.vmin <= 10.0 ** k <= norm.vmax]
         powers = powers if length > 1.2 else powers[::len(powers) - 1 or 1]
-        bar = self.axes(left + (wide - length) / 2, top + 0.22, length, 0.08)
+        bar = self.axes(middle - length / 2, top + 0.22, length, 0.08)
         self.figure.colorbar(ScalarMappable(norm, "inferno"), cax=bar, orientation="horizontal")
         bar.xaxis.set_major_locator(FixedLocator([10.0 ** k for k in powers]))
         bar.xaxis.set_minor_locator(NullLocator())
         bar.set_xticklabels([f"$10^{{{k}}}$" for k in powers], fontsize=6)
         bar.tick_params(pad=1.5, length=2)
-        self.text(left + wide / 2, top + 0.17, ("squared error", 6.5), va="bottom")
+        self.text(middle, top + 0.17, ("squared error", 6.5), va="bottom")
 
     def _tile(self, block, index, place, left, top):
         is_reference = place == len(self.names)

@@ -6,6 +6,7 @@ GAP = 0.04
 SMALLEST = 0.45  # a window below it is made larger by another row, where the page has room
 LARGEST = 1.6
 THUMB_SHARE = 0.36  # of the page's width
+KEY = 0.7  # inches: the least width of the scale of error maps, with its numbers
 
 
 class Layout(NamedTuple):
@@ -13,6 +14,7 @@ class Layout(NamedTuple):
     size: float  # of a window: its width where they stand below each other, else its height
     rows: list  # [[place of a tile]]; the first row begins with the thumbnail
     thumb: tuple  # width, height
+    side: float  # width of what stands left of the first row: the thumbnail and the scale below it
     tile: float  # width
     windows: float  # height of all windows of a tile
     maps: float  # height of an error map; 0 without
@@ -59,7 +61,8 @@ def _at(size, beside, width, tiles, aspect, shapes, with_maps):
     tile = size * sum(shapes) + gaps if beside else size
     windows = size if beside else sum(size / shape for shape in shapes) + gaps
     wide = min(windows * aspect, THUMB_SHARE * width)
-    rows, left, longest = [[]], wide + 2 * GAP, 0.0
+    side = max(wide, KEY) if with_maps else wide
+    rows, left, longest = [[]], side + 2 * GAP, 0.0
     for place in range(tiles):
         if left + tile > width + 1e-9:
             rows.append([])
@@ -69,4 +72,4 @@ def _at(size, beside, width, tiles, aspect, shapes, with_maps):
         longest = max(longest, left - GAP)
     if tile > width:
         return None
-    return Layout(beside, size, rows, (wide, wide / aspect), tile, windows, tile / aspect if with_maps else 0.0, longest)
+    return Layout(beside, size, rows, (wide, wide / aspect), side, tile, windows, tile / aspect if with_maps else 0.0, longest)
