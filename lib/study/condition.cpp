@@ -46,7 +46,8 @@ About about(const Plan& plan, const PlanScene& scene, const std::vector<MethodRe
   if (one_image) {
     return said(
         "one image",
-        "these images: one replicate, intervals from blocks of pixels, nothing is compared");
+        "these images: one replicate, or replicates that are one image; intervals from blocks of "
+        "pixels, nothing is compared");
   }
   if (given > 1) {
     const bool own = given >= static_cast<std::size_t>(kOwnSpread);

@@ -21,7 +21,7 @@ pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python"
 from tools.report import figure
 from tools.report.figure import main
 from tools.report.figure_tables import markdown
-from tools.report.figure_text import latex, significant
+from tools.report.figure_text import latex, literal, significant
 from tools.report.draw_curves import read
 from tools.report.file_names import dump_names, file_name_of
 
@@ -134,6 +134,25 @@ def test_hostile_names_stay_text(tmp_path):
         assert r"\input" not in tex and r"\textbackslash{}input\{/etc/passwd\}\$x\_1\$\&\%\textless{}b" in tex
     assert "<b>" not in (tmp_path / "f" / "table.md").read_text()
     assert latex("a_b%") == r"a\_b\%" and markdown("a|b\nc") == r"a\|b c"
+
+
+def test_what_cannot_be_drawn_is_told_and_an_interval_beside_its_mean_is_drawn(small_folder, tmp_path, capsys):
+    def told(*values):
+        shutil.copytree(small_folder, tmp_path / "r", dirs_exist_ok=True)
+        data = json.loads((tmp_path / "r" / "statistics.json").read_text())
+        for condition, value in zip((c for c in data["conditions"] if c["metric"] == "relmse"), values):
+            condition["ranking"][0]["value"] = value
+        (tmp_path / "r" / "statistics.json").write_text(json.dumps(data))
+        assert main([str(tmp_path / "r"), "-o", str(tmp_path / "f"), "--force"]) == 0
+        return capsys.readouterr().out, (tmp_path / "f" / "captions.tex").read_text()
+    said, captions = told([1.95e-31, 1.9500000000000003e-31, 1.9499999999999998e-31], [0, 0, 0])
+    assert ", curves, captions" in said and captions.count(" Not drawn: 1 mean not above zero.") == 2
+    said, captions = told([0, 0, 0], [-1e-9, -2e-9, 1e-9])
+    assert "; no mean above zero, so no curves" in said and "curves" not in captions and ", curves" not in said
+
+
+def test_a_letter_that_no_font_has_is_an_escape():
+    assert literal("ü Ж مر 漢 𝒳") == "ü Ж \\u0645\\u0631 \\u6f22 𝒳"
 
 
 def with_group(made, tmp_path, group):

@@ -99,6 +99,11 @@ def test_one_pixel_is_no_plural(good):
     assert "Few pixels: 1 pixel bears half of" in good("evaluate", "one.spool", "--spp", 2, "-o", "one").out
 
 
+def test_replicates_of_one_image_are_not_called_one_replicate(good):
+    good("synth", "black", "--size", 8, "--samples", 16, "-o", "black.spool")
+    assert "About these images: one replicate, or replicates that are one image" in good("evaluate", "black.spool", "--spp", 2, "-o", "black").out
+
+
 def bytes_of(folder, suffix):
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob(f"*{suffix}"))}
 

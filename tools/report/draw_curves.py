@@ -36,7 +36,8 @@ def read(path):
                 mean = float(row["mean"])
                 low, high = (float(row[key]) if row[key] else math.nan for key in ("low", "high"))  # no bar
                 seconds = float(row["seconds"]) if row["seconds"] else math.nan
-                curves[scene][method].append((float(row["spp"]), mean, low, high, seconds))
+                # The ends of an interval without width may lie beside its mean by a rounding.
+                curves[scene][method].append((float(row["spp"]), mean, min(low, mean), max(high, mean), seconds))
     return curves, metric
 
 

@@ -3,7 +3,8 @@
 from tools.report.aggregate import MARK
 from tools.report.figure_tables import BOLD, NO_VERDICT
 from tools.report.figure_text import breakable, latex
-from tools.report.number_text import list_text, percent_text
+from tools.report.number_text import count_text, list_text, percent_text
+from tools.report.statistics_file import interval_of
 from tools.report.summary import name_of, unjudged
 
 LONGEST = 12  # of a list of names
@@ -81,6 +82,8 @@ def curves_caption(statistics, metric, methods, over_time, shared, commands):
     if over_time and commands:
         text += (" Times of " + list_text([breakable(name) for name in commands], LONGEST)
                  + " have the start of a command and its files in them.")
+    left_out = sum(interval_of(e["value"]).mean <= 0 for c in conditions for e in c["ranking"] if name_of(e) in methods)
+    text += f" Not drawn: {count_text(left_out, 'mean')} not above zero." if left_out else ""
     return text + notes(conditions, methods)
 
 

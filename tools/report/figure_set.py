@@ -61,15 +61,17 @@ class FigureSet:
         with FigureFolder(self.options.output, self.options.force) as folder:
             captions = self._comparisons(folder)
             compared = len(captions)
-            captions += self._curves(folder)
+            curves = self._curves(folder)
+            captions += curves
             lines = [line for caption in captions for line in caption]
             folder.text("captions.tex", "\n".join(["% needs \\usepackage{graphicx}", "", *lines]))
             caption = table_caption(self.statistics, self.metric, self.labels, self.baseline)
             folder.text("table.tex", latex_tables(self.statistics, self.metric, self.labels, self.baseline, caption))
             folder.text("table.md", markdown_table(self.statistics, self.metric, self.labels, self.baseline))
-        return (f"{self.options.output}: {compared} comparison{'' if compared == 1 else 's'} at {self.budget:g} spp, curves, "
+        return (f"{self.options.output}: {compared} comparison{'' if compared == 1 else 's'} at {self.budget:g} spp, {'curves, ' if any(curves) else ''}"
                 f"captions and tables of {metric_name(self.metric)}" + self.left_out
-                + ("" if compared else "; no pictures in the folder, so no comparison") + self.statistics.warning())
+                + ("" if compared else "; no pictures in the folder, so no comparison")
+                + ("" if any(curves) else "; no mean above zero, so no curves") + self.statistics.warning())
 
     def _comparisons(self, folder):
         """Captions of one figure for each recording, and of those with several as rows."""

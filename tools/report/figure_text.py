@@ -3,10 +3,12 @@
 import io
 import math
 import re
+from functools import cache
 from pathlib import Path
 
 import matplotlib
 from matplotlib import pyplot
+from matplotlib.font_manager import findfont, get_font
 
 pyplot.switch_backend("agg")
 
@@ -46,6 +48,16 @@ def breakable(text):
     return "".join(parts)
 
 
+@cache
+def has_glyph(c):
+    return any(get_font(findfont(family, fallback_to_default=False)).get_char_index(ord(c)) for family in STYLE["font.family"])
+
+
+def drawable(text):
+    """What no font of the figures has is an escape: no letter of a name is left blank."""
+    return "".join(c if has_glyph(c) else f"\\u{ord(c):04x}" for c in printable(text))
+
+
 def printable(text):
     """One line without control characters, which neither LaTeX nor XML can hold."""
     return "".join(c if c.isprintable() else " " for c in text)
@@ -55,12 +67,12 @@ def literal(text):
     """No text of a file is read as mathematics or as a command."""
     if matplotlib.rcParams["text.usetex"]:
         return latex(text)
-    return printable(text).replace("$", r"\$")
+    return drawable(text).replace("$", r"\$")
 
 
 def extent(figure, text, size):
     """Width and height in inches. LaTeX's roman is narrower than what is measured for it here."""
-    lines = [printable(line).replace("$", r"\$") for line in text.split("\n")]
+    lines = [drawable(line).replace("$", r"\$") for line in text.split("\n")]
     artist = figure.text(0, 0, "\n".join(lines), fontsize=size, linespacing=LEADING, usetex=False)
     box = artist.get_window_extent(figure.canvas.get_renderer())
     artist.remove()
@@ -71,7 +83,7 @@ def broken(figure, text, width, size, lines, within=False):
     """`text` as at most that many lines of at most that width, not yet literal; None where it does not fit. Words end
     before a + and after marks, but not within 2.4e-4; with `within` also anywhere."""
     parts = [""]
-    for c in printable(text):
+    for c in drawable(text):
         if c == "+" or (parts[-1] and parts[-1][-1] in " ,{}:;/_=-" and c not in " ,{}:;/_=-"
                         and not re.search(r"\de-$", parts[-1])) or within and len(parts[-1]) > 7:
             parts.append("")
