@@ -65,6 +65,7 @@ def test_nothing_is_served_but_what_the_page_names(served, scene):
         answer = served.ask(served.root + path)
         assert answer.status in (400, 403, 404), path
         assert b"root:" not in answer.content
+    assert served.ask(served.root.rstrip("/")).status == 404  # where the page's own questions would go astray
 
 
 def test_what_is_too_large_or_no_number_is_refused_and_the_server_goes_on(served):

@@ -64,8 +64,10 @@ RequestTarget parse_target(std::string_view target) {
   if (!target.starts_with('/')) return {};
   target.remove_prefix(1);
   std::string_view path = cut(target, '?');
+  // Without its slash the page would ask for what lies beside its token: it is not served there.
+  const bool page = path.find('/') != std::string_view::npos;
   const std::string_view token = cut(path, '/');
-  return {std::string(token), std::string(path), std::string(target)};
+  return {std::string(token), page ? std::string(path) : "/", std::string(target)};
 }
 
 // The first value of that name, its %XX replaced.
