@@ -132,6 +132,16 @@ def test_a_weaker_judge_is_said_to_be_one(tmp_path):
     assert "Judged by holdout" in text and "would be less noisy" in text
 
 
+def test_metrics_and_times_fit_80_columns(tmp_path):
+    write_dump(tmp_path / "s.spool", samples()[0])
+    lines = shown(80, "evaluate", "s.spool", "--replicates", 2, "--spp", "4", "--wide", "--reference", "pool", "-o", "out", "--threads", 2, folder=tmp_path)
+    assert any(line.startswith("times: of a machine") for line in lines)
+    assert [line for line in lines if len(line) > 80 and "relMSE" not in line and "uniform" not in line] == []
+    image = next((tmp_path / "out").rglob("estimate.exr"))
+    lines = shown(80, "metrics", image, image, folder=tmp_path)
+    assert lines[-1].endswith("error") and [line for line in lines if len(line) > 80] == []
+
+
 def test_info_is_at_most_ten_lines(tmp_path):
     claims = [{"name": f"claim {i}", "holds": i > 1 or None, "measured": "1", "expected": "1"} for i in range(18)]
     write_dump(tmp_path / "s.spool", samples()[0],

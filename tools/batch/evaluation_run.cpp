@@ -187,9 +187,10 @@ class PlanRun {
     if (!common_.json && !common_.quiet) {
       print("\n");
       if (any_shared_ && request_.wide) {
-        print_line(
-            "times: of a machine that other results shared (column timing); --timing exact makes "
-            "one result after another");
+        print(wrapped("times: of a machine that other results shared (column timing); --timing "
+                      "exact makes one result after another",
+                      line_width()) +
+              "\n");
       }
       print_line(fmt::format("numbers: {}", (request_.folder / "results.csv").string()));
       if (!sheets.empty()) print_line(fmt::format("pictures: {}", sheets));

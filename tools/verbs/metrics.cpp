@@ -150,13 +150,15 @@ Result<void> run_metrics(const MetricsOptions& options, const CommonOptions& com
     print(metrics_text(options.image, options.reference, values, table));
   } else {
     print(format_columns(rows, 2));
-    print(
-        fmt::format("\n{} judged; relative metrics after a factor {:.4g} on both images "
-                    "(--set rel_scale=none: as they are); +- one standard error{}\n",
-                    counted(table.pixels, "pixel"), table.relative_scale,
-                    reference.variance ? ""
-                                       : "; the reference taken as exact: nothing is debiased "
-                                         "without its --variance"));
+    const char* exact = reference.variance ? ""
+                                           : "; the reference taken as exact: nothing is debiased "
+                                             "without its --variance";
+    print("\n" +
+          wrapped(fmt::format("{} judged; relative metrics after a factor {:.4g} on both images "
+                              "(--set rel_scale=none: as they are); +- one standard error{}",
+                              counted(table.pixels, "pixel"), table.relative_scale, exact),
+                  line_width()) +
+          "\n");
   }
   if (!options.error_map.empty()) {
     Result<void> written =
