@@ -131,6 +131,15 @@ def test_bars_at_one_budget_stand_beside_each_other_and_times_have_their_unit(op
         assert opened.page.evaluate("document.getElementById('pareto-chart')._fullLayout.xaxis.title.text").endswith("s")
 
 
+def test_an_axis_of_many_decades_has_few_short_labels(browser, tmp_path):
+    write_results(tmp_path, make_rows(samplers=("uniform", "ours"), filters=("box",), budgets=(4, 8), factor={"ours": 1e-30}))
+    assert main([str(tmp_path), "-o", str(tmp_path / "a.html")]) == 0
+    opened = Opened(browser, tmp_path / "a.html")
+    opened.open_charts()
+    texts, values = opened.page.evaluate("(({ticktext, tickvals}) => [ticktext, tickvals])(document.getElementById('budget-chart')._fullLayout.yaxis)")
+    assert 8 <= len(texts) <= 13 and list(map(float, texts)) == pytest.approx(values, rel=1e-9) and max(map(len, texts)) <= 5
+
+
 def test_the_tab_key_reaches_the_charts_controls_before_the_images(opened):
     opened.open_images()
     assert opened.page.locator("[tabindex]").evaluate_all(

@@ -133,7 +133,7 @@ def test_hostile_names_stay_text(tmp_path):
         tex = (tmp_path / "f" / name).read_text().replace(r"\allowbreak{}", "")
         assert r"\input" not in tex and r"\textbackslash{}input\{/etc/passwd\}\$x\_1\$\&\%\textless{}b" in tex
     assert "<b>" not in (tmp_path / "f" / "table.md").read_text()
-    assert latex("a_b%") == r"a\_b\%" and markdown("a|b\nc") == r"a\|b c"
+    assert latex("a_b%") == r"a\_b\%" and markdown("a|b\nc") == r"a\|b c" and markdown("~a~ $b$ &lt;") == r"\~a\~ \$b\$ \&lt;"
 
 
 def test_what_cannot_be_drawn_is_told_and_an_interval_beside_its_mean_is_drawn(small_folder, tmp_path, capsys):

@@ -191,6 +191,13 @@ def test_letters_of_too_many_groups_are_left_out_and_that_is_said_once(tmp_path,
     assert re.search(r"\| a \|", text)  # of the other budget
 
 
+def test_one_sample_is_no_plural(tmp_path):
+    assert main([str(made(tmp_path / "r", budgets=(1,))), "-o", str(tmp_path / "f")]) == 0
+    for name in ("table.md", "captions.tex", "table.tex"):
+        text = (tmp_path / "f" / name).read_text()
+        assert "1 sample per pixel" in text and "1 samples" not in text
+
+
 def test_the_largest_loss_of_light_is_told_and_what_is_widened_is_said_once():
     lost = {"sampler": "a", "filter": "b", "loses_energy": 0.05}
     shared = [{"about": {"kind": "shared", "text": f"another recording; replicates share {n} %"}, "ranking": [

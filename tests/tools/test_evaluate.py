@@ -96,7 +96,8 @@ def test_table_has_ratios_to_uniform_with_box(good, dump, tmp_path):
 
 def test_one_pixel_is_no_plural(good):
     good("synth", "scene_s", "--size", "1x1", "--samples", 16, "-o", "one.spool")
-    assert "Few pixels: 1 pixel bears half of" in good("evaluate", "one.spool", "--spp", 2, "-o", "one").out
+    text = good("evaluate", "one.spool", "--spp", "1,2", "-o", "one").out
+    assert "Few pixels: 1 pixel bears half of" in text and "one, 1 sample per pixel\n" in text
 
 
 def test_replicates_of_one_image_are_not_called_one_replicate(good):

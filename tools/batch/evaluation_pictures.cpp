@@ -126,7 +126,8 @@ Result<std::string> EvaluationPictures::write_sheets(
            tone_map(*image, exposure), Caption{fmt::format("relMSE {:.3g}", result->relmse)}});
     }
     const auto path = folder_ / fmt::format("{}_{:g}spp.png", dump, sheet.first->spp);
-    const std::string heading = fmt::format("{}  {:g} samples per pixel", dump, sheet.first->spp);
+    const std::string heading = fmt::format("{}  {:g} sample{} per pixel", dump, sheet.first->spp,
+                                            sheet.first->spp == 1.0 ? "" : "s");
     SPOOL_TRY(write_png(path, contact_sheet(heading, panels), true, true));
     written += (written.empty() ? "" : ", ") + path.string();
   }

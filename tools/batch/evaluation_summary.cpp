@@ -86,9 +86,9 @@ Rows short_rows(const Study& study, const ShownResults& shown, bool ratio_interv
   std::string last;
   for (const RankedResult& result : shown) {
     const StudyPlace& place = result.place();
-    const std::string heading =
-        fmt::format("{}, {:g} samples per pixel{}", shown_scene(place), place.spp,
-                    threads ? fmt::format(", {} threads", place.threads) : "");
+    const std::string heading = fmt::format(
+        "{}, {:g} sample{} per pixel{}", shown_scene(place), place.spp, place.spp == 1.0 ? "" : "s",
+        threads ? fmt::format(", {} threads", place.threads) : "");
     if (heading != last) rows.push_back({heading});
     last = heading;
     const bool is_baseline = result.result->methods.name() == study.baseline;

@@ -31,17 +31,17 @@ function errorBar(points, colour) {
   };
 }
 
-// Labels at 1, 2 and 5 of each decade, at 1 alone over many, written out with their unit: 0.1 s, 0.2 s.
+// Labels at 1, 2 and 5 of each decade, at 1 alone over many, of some decades over very many, written out with their unit: 0.1 s, 0.2 s.
 function logTicks([low, high], unit = '') {
   if (high - low < 0.35) return {};  // plotly's choice on a short axis
-  const tickvals = [];
-  for (let decade = Math.floor(low); decade <= high; ++decade) {
+  const tickvals = [], step = Math.ceil((high - low) / 12);
+  for (let decade = step * Math.floor(low / step); decade <= high; decade += step) {
     for (const digit of high - low > 4 ? [1] : [1, 2, 5]) {
       const value = Number(`${digit}e${decade}`), at = Math.log10(value);
       if (at >= low && at <= high) tickvals.push(value);
     }
   }
-  return {tickvals, ticktext: tickvals.map((value) => numberText(value) + unit)};
+  return {tickvals, ticktext: tickvals.map((value) => numberText(value, 1) + unit)};
 }
 
 const budgetOf = (c) => ({mean: c.spp, low: NaN, high: NaN});

@@ -3,7 +3,7 @@
 from tools.report.aggregate import MARK
 from tools.report.figure_tables import BOLD, NO_VERDICT
 from tools.report.figure_text import breakable, latex
-from tools.report.number_text import count_text, list_text, percent_text
+from tools.report.number_text import count_text, list_text, percent_text, samples_text
 from tools.report.statistics_file import interval_of
 from tools.report.summary import name_of, unjudged
 
@@ -61,7 +61,7 @@ def comparison_caption(statistics, metric, conditions, shown, labels):
     methods = list(dict.fromkeys(s.method for block in shown for s in block.methods.values()))
     judged = all(block.judged for block in shown)
     seen = [*map(breakable, methods), *(["the reference"] if judged else [])]
-    text = (f"{names} at {conditions[0]['spp']:g} samples per pixel. Left: {'the reference' if judged else 'a picture'} with "
+    text = (f"{names} at {samples_text(conditions[0]['spp'])}. Left: {'the reference' if judged else 'a picture'} with "
             f"its windows; then these windows of {list_text(seen, LONGEST)}, at one exposure.")
     if len(shown) == 1:
         text += " Below them: squared error, on one scale."

@@ -14,6 +14,7 @@ from tools.report.figure_text import significant
 from tools.report.figure_windows import asked_windows
 from tools.report.file_names import file_name_of, numbered
 from tools.report.metric_names import metric_name
+from tools.report.number_text import samples_text
 from tools.report.pixel_data import evaluated
 from tools.report.result_images import find_images
 from tools.report.results_table import choose_metric, read_results
@@ -107,7 +108,7 @@ class FigureSet:
     def _comparison(self, folder, name, rows):
         conditions, blocks = [c for c, _ in rows], [block for _, block in rows]
         column = self.options.column or 2
-        head = f"{self.statistics.metric_text(self.metric)} at {self.budget:g} sample{'' if self.budget == 1 else 's'} per pixel"
+        head = f"{self.statistics.metric_text(self.metric)} at {samples_text(self.budget)}"
         if any(len(s.lines) > 1 for block in blocks for s in block.methods.values()):
             head += ", with 95 % intervals"
         draw_comparison(blocks, self.chosen, head, folder.pictures(name), column, self.options.font)

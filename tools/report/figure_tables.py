@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from tools.report.figure_text import breakable, latex, printable, significant
 from tools.report.metric_names import BIASED
+from tools.report.number_text import samples_text
 from tools.report.statistics_file import Interval, best_is_alone, interval_of
 from tools.report.summary import late_text, name_of, unjudged, verdict_text
 
@@ -82,7 +83,7 @@ def latex_tables(statistics, metric, labels, baseline, captions):
     """One table for each recording, of several parts where it has many rows. `captions`: of a scene and its part."""
     text = [r"% needs \usepackage{booktabs,tabularx}", ""]
     for dump, conditions in by_scene(statistics, metric).items():
-        lines = [(rf"\multicolumn{{4}}{{@{{}}l}}{{\emph{{{c['spp']:g} samples per pixel}}}} \\", row)
+        lines = [(rf"\multicolumn{{4}}{{@{{}}l}}{{\emph{{{samples_text(c['spp'])}}}}} \\", row)
                  for c in conditions for row in rows_of(c)]
         parts = parts_of(lines, lambda line: line[1].method)
         for i, part in enumerate(parts):
@@ -119,7 +120,7 @@ def claims_table(statistics, labels):
 
 
 def markdown(text):
-    for c in "\\|*_`<>[]":
+    for c in "\\|*_`<>[]&~$":
         text = text.replace(c, "\\" + c)
     return printable(text)
 
@@ -136,7 +137,7 @@ def markdown_table(statistics, metric, labels, baseline):
     lines = []
     for dump, conditions in by_scene(statistics, metric).items():
         for condition in conditions:
-            lines += [f"**{markdown(labels[dump])}, {condition['spp']:g} samples per pixel**", "",
+            lines += [f"**{markdown(labels[dump])}, {samples_text(condition['spp'])}**", "",
                       f"| method | {markdown(statistics.metric_text(metric))} | ratio | |", "|---|---:|---:|---|"]
             for row in rows_of(condition):
                 value = markdown(plain_interval(row.value))

@@ -46,6 +46,10 @@ def rounded_count(count):
     return f"{float(number_text(count, 2)):.0f}"
 
 
+def samples_text(spp):
+    return f"{spp:g} sample{'' if spp == 1 else 's'} per pixel"
+
+
 def percent_text(share):
     """Two digits of it: 100 %, not 1e+02 %."""
     return f"{float(number_text(100 * share, 2)):g} %"
