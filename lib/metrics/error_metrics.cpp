@@ -18,6 +18,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analysis
 constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
 constexpr double kWorstPixels = 1e-3;        // share of the pixels
+constexpr double kLargeFactor = 100.0;       // on an image that has lost its energy
 constexpr int kWhole = -1;                   // the image instead of a resample of its blocks
 
 bool is_finite(const RgbImage& image, std::size_t p) {
@@ -288,11 +289,11 @@ class Evaluation {
     const double scale = table_.relative_scale;
     const std::ptrdiff_t first = kSquareTerms * std::ptrdiff_t{side_->decile[p]};
     for (std::size_t c = 0; c < 3; ++c) {
-      const double r = reference_.mean[c][p], difference = estimate_[c][p] - r;
+      const double i = estimate_[c][p], r = reference_.mean[c][p], difference = i - r;
       const double b = variance_ ? (*variance_)[c][p] : 0.0;
       const double weight = scale * scale / relative_divisor(c, p);
-      const std::array<double, kSquareTerms> squares = {difference * difference, difference * r,
-                                                        r * r, b};
+      const std::array<double, kSquareTerms> squares = {
+          difference * difference, difference * r, r * r, difference * i, i * i, b};
       for (std::ptrdiff_t t = 0; t < kSquareTerms; ++t) {
         const double square = squares[static_cast<std::size_t>(t)] / 3.0;
         sums[static_cast<std::size_t>(kDecileSquares + first + t)] += square;
@@ -360,6 +361,10 @@ class Evaluation {
         terms[static_cast<std::size_t>(t)] += sum(squares + kSquareTerms * d + t, resample);
     }
     const double g = image > 0.0 ? reference / image : 1.0;
+    if (g > kLargeFactor) {
+      return (g - 1.0) * (g - 1.0) * terms[kImageSquared] + 2.0 * (g - 1.0) * terms[kErrorImage] +
+             terms[kErrorSquared] - terms[kVariance];
+    }
     return g * g * terms[kErrorSquared] + 2.0 * g * (g - 1.0) * terms[kErrorReference] +
            (g - 1.0) * (g - 1.0) * terms[kReferenceSquared] - terms[kVariance];
   }

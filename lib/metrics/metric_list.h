@@ -28,15 +28,18 @@ enum Term : int {
   kDecileEnergy,                                           // + decile
   kDecileReferenceEnergy = kDecileEnergy + kDeciles,       // + decile
   kDecileSquares = kDecileReferenceEnergy + kDeciles,      // + kSquareTerms decile + SquareTerm
-  kDecileRelativeSquares = kDecileSquares + 4 * kDeciles,  // the same, weighted as in kRelative
-  kTermCount = kDecileRelativeSquares + 4 * kDeciles
+  kDecileRelativeSquares = kDecileSquares + 6 * kDeciles,  // the same, weighted as in kRelative
+  kTermCount = kDecileRelativeSquares + 6 * kDeciles
 };
 // What the squared error of an image times a factor g is made of: with gI - R = g (I - R) + (g - 1)
-// R no large numbers cancel where g is near 1. Means over channels.
+// R no large numbers cancel where g is near 1 or small, and with (I - R) + (g - 1) I where it is
+// large. Means over channels.
 enum SquareTerm : int {
   kErrorSquared,      // (I - R)^2
   kErrorReference,    // (I - R) R
   kReferenceSquared,  // R^2
+  kErrorImage,        // (I - R) I
+  kImageSquared,      // I^2
   kVariance,          // b
   kSquareTerms
 };

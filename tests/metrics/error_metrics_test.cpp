@@ -91,6 +91,24 @@ TEST(ErrorMetrics, LightThatIsMissingEverywhereAlikeIsNoErrorAtEqualEnergy) {
   EXPECT_GT(bright["relmse_equal_energy"].value, 1e-3);
 }
 
+TEST(ErrorMetrics, ErrorsAtEqualEnergyAreThoseOfAnyScaleOfTheImage) {
+  const RgbImage r = uniform_image(40, 33, 7, 0.1, 1.0), i = test::add_noise(r, 4, 0.1);
+  const MetricTable expected = error_metrics(i, {r, {}, {}});
+  for (const double scale : {1e-15, 1e-9, 1e-6, 0.02, 0.005, 1e3, 1e9}) {
+    RgbImage scaled = i;
+    for (Plane& plane : scaled) {
+      for (double& value : plane.pixels())
+        value *= scale;
+    }
+    const MetricTable found = error_metrics(scaled, {r, {}, {}});
+    for (const char* name :
+         {"mse_equal_energy", "relmse_equal_energy", "mse_equal_deciles", "relmse_equal_deciles"}) {
+      EXPECT_NEAR(found[name].value, expected[name].value, 1e-9 * expected[name].value)
+          << name << " " << scale;
+    }
+  }
+}
+
 TEST(ErrorParts, BiasAndVarianceAreThoseOfTheNoise) {
   // Mean 0.3 too low, standard deviation 0.2; the reference's is 0.1.
   constexpr int kSide = 200;
