@@ -151,6 +151,17 @@ def test_what_cannot_be_drawn_is_told_and_an_interval_beside_its_mean_is_drawn(s
     assert "; no mean above zero, so no curves" in said and "curves" not in captions and ", curves" not in said
 
 
+def test_a_folder_without_a_finished_result_is_named(tmp_path, capsys):
+    rows = make_rows(samplers=("uniform",), filters=("box",), budgets=(4,), replicates=2)
+    for row in rows:
+        row.update(dict.fromkeys(list(row)[6:], ""), error="not enough samples")
+    write_results(tmp_path / "r", rows)
+    data = json.loads((tmp_path / "r" / "statistics.json").read_text())
+    (tmp_path / "r" / "statistics.json").write_text(json.dumps({**data, "conditions": []}))
+    assert main([str(tmp_path / "r"), "-o", str(tmp_path / "f")]) == 1
+    assert capsys.readouterr().err == f"{tmp_path / 'r'}: no result to draw: results.csv says why\n"
+
+
 def test_a_letter_that_no_font_has_is_an_escape():
     assert literal("ü Ж مر 漢 𝒳") == "ü Ж \\u0645\\u0631 \\u6f22 𝒳"
 

@@ -71,6 +71,12 @@ def test_marks_of_direction_in_names_are_shown_and_turn_no_number_around(tmp_pat
         assert data["dumps"] == [shown] and data["samplers"] == ["uniform", shown]
 
 
+def test_one_result_is_no_plural(tmp_path, assets_cache, capsys):
+    write_results(tmp_path / "r", make_rows(dumps=("a.spool",), samplers=("uniform",), filters=("box",), budgets=(8,), replicates=1))
+    assert main([str(tmp_path / "r"), "-o", str(tmp_path / "out.html")]) == 0
+    assert ", 1 result, 0 images (" in capsys.readouterr().out
+
+
 def test_a_page_says_what_it_lacks_without_scripts(assets_cache):
     report, shown = (build_page("t", [("a", heading, "")], {}, []) for heading in ("A", ""))
     assert "Charts, table and images need JavaScript; the summary" in report

@@ -31,6 +31,8 @@ class FigureSet:
         self.table = read_results(options.folder / "results.csv")
         self.metric = choose_metric(options.metric, self.table)
         self.statistics = read_statistics(options.folder)
+        if not self.statistics.metrics():
+            raise Failure(f"{options.folder}: no result to draw: results.csv says why")
         if self.metric not in self.statistics.metrics():
             raise Failure(f"--metric: methods are ranked by {', '.join(self.statistics.metrics())}, not by {self.metric}", USAGE)
         combinations = aggregate(self.table, self.statistics)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tools.report.aggregate import Described, aggregate
 from tools.report.failure import IO, USAGE, Failure, guarded
+from tools.report.number_text import count_text
 from tools.report.page import build_page
 from tools.report.pixel_data import evaluated, pixel_answers
 from tools.report.report_data import OWN_MEANINGS, quantity_names, report_data
@@ -86,7 +87,7 @@ def make_report(options):
     except OSError as error:
         raise Failure(f"{options.output}: {error.strerror}: choose another place", IO) from error
     size = options.output.stat().st_size / 1e6
-    return (f"{options.output}: {size:.1f} MB, {len(table.rows)} results, {len(images.packed)} images "
+    return (f"{options.output}: {size:.1f} MB, {count_text(len(table.rows), 'result')}, {count_text(len(images.packed), 'image')} "
             f"({images.bytes / 1e6:.1f} MB)" + statistics.warning())
 
 
