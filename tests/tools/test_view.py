@@ -59,6 +59,14 @@ def test_only_get_and_no_word_that_lets_others_read(served):
     assert answer.getheader("Cross-Origin-Resource-Policy") == "same-origin"
 
 
+def test_an_answer_to_head_has_no_body(served):
+    with socket.create_connection((served.host, served.port), timeout=20) as client:
+        client.sendall(f"HEAD {served.root} HTTP/1.1\r\nHost: {served.host}:{served.port}\r\n\r\n".encode())
+        with client.makefile("rb") as file:
+            head, body = file.read().split(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 405") and body == b""
+
+
 def test_nothing_is_served_but_what_the_page_names(served, scene):
     for path in ("../../../../etc/passwd", "..%2f..%2fetc%2fpasswd", "%2e%2e/%2e%2e/etc/passwd", "s.spool", str(scene), "choices/",
                  "choices/../../etc/passwd", "choices%00.html"):

@@ -147,6 +147,7 @@ void Connection::send(Answer answer) {
   response_.keep_alive(false);
   response_.body() = std::move(answer.body);
   response_.prepare_payload();
+  if (parser_.get().method() == http::verb::head) response_.body().clear();
   send_piece();
 }
 
