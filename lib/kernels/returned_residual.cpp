@@ -15,10 +15,9 @@ namespace spool {
 namespace {
 
 constexpr double kLeastLuminance = 1e-3;  // in units of the scene's luminance
-constexpr double kMostRatio = 6.0;
-constexpr double kFine = 0.7;                // sigma, pixels
+constexpr double kMostRatio = 16.0;
+constexpr double kFine = 1.0;                // sigma, pixels
 constexpr int kWide = 20;                    // radius, pixels
-constexpr double kErrors = 2.0;              // of a mean over one pixel
 constexpr int kFirstHat = -6, kLastHat = 9;  // what is darker or brighter is of these
 
 struct Ratios {
@@ -177,7 +176,7 @@ RgbImage return_residual(RgbImage image, const Selection& selection, const Sampl
   const Plane fine_noise = means.fine(noise), pixels = means.pixels();
   for (std::size_t p = 0; p < a.size(); ++p) {
     if (!ratios.used[p]) continue;
-    const double bias = agreed[p] - kErrors / std::sqrt(pixels[p]) * (agreed[p] + wide_noise[p]);
+    const double bias = agreed[p] - (agreed[p] + wide_noise[p]) / std::sqrt(pixels[p]);
     if (bias <= 0.0) continue;
     const double share = bias / (bias + std::max(wide_noise[p], fine_noise[p]));
     const double factor = 1.0 + share * minmod(0.5 * (a[p] + b[p]), whole[p] - 1.0);

@@ -3,19 +3,19 @@
 // image towards the mean of its own samples; how far, independent halves decide.
 //
 // I_p = max(luminance of the image, 1e-3 U), U the scene's luminance. r_i = luminance of sample i /
-// I_p. Means over pixels about as bright (below): F under a Gaussian of 0.7 pixels, W over 41 x 41.
+// I_p. Means over pixels about as bright (below): F under a Gaussian of 1 pixel, W over 41 x 41.
 //
-//   a, b = means over the even and over the odd samples of min(r_i, 6)
+//   a, b = means over the even and over the odd samples of min(r_i, 16)
 //   u    = mean of both halves' r_i
 //   A    = F a - W a,   B = F b - W b,   d = ((A - B) / 2)^2
-//   bias = max(0, W(A B) - 2 (W(A B) + W d) / sqrt N),   N: sum of the weights of W
+//   bias = max(0, W(A B) - (W(A B) + W d) / sqrt N),   N: sum of the weights of W
 //   t    = bias / (bias + max(W d, F d))
 //   out  = image (1 + t minmod((A + B) / 2, F u - 1)),   minmod: the smaller of one sign, or 0
 //
 // Noise of the halves is independent, so W(A B) has the squared bias in expectation, whatever the
 // noise; what a filter shares with both halves makes it smaller. What is subtracted is about a
 // standard error of a mean over N pixels: few bright pixels in a window decide little. t is the
-// share that least squares gives the samples. Without the limit of 6 single bright samples decide;
+// share that least squares gives the samples. Without the limit of 16 single bright samples decide;
 // without minmod a pixel free of noise in front of noisy ones, such as a lamp, would move, because
 // the limit lowers only the others' means.
 //

@@ -66,12 +66,12 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
     }
     return out;
   };
-  const auto fine_mean = [&](const Value& value) { return about_as_bright(3, 0.7, value); };
+  const auto fine_mean = [&](const Value& value) { return about_as_bright(4, 1.0, value); };
   const auto wide_mean = [&](const Value& value) { return about_as_bright(20, INFINITY, value); };
   const auto residual = [&](bool odd) {
     const Value ratio = [&, odd](int x, int y) {
       const HalvesOfPixel& own = samples[at(x, y)];
-      return mean_of_ratios(odd ? own.odd : own.even, bright(x, y), 6.0);
+      return mean_of_ratios(odd ? own.odd : own.even, bright(x, y), 16.0);
     };
     Plane fine = fine_mean(ratio);
     const Plane wide = wide_mean(ratio);
@@ -95,7 +95,7 @@ inline RgbImage return_residual(const RgbImage& image, const std::vector<HalvesO
     for (int x = 0; x < width; ++x) {
       if (!used(x, y)) continue;
       const double bias =
-          std::max(0.0, agreed(x, y) - 2.0 / std::sqrt(pixels(x, y)) * (agreed(x, y) + wide(x, y)));
+          std::max(0.0, agreed(x, y) - (agreed(x, y) + wide(x, y)) / std::sqrt(pixels(x, y)));
       if (bias == 0.0) continue;
       const double limited = (a(x, y) + b(x, y)) / 2.0, plain = whole(x, y) - 1.0;
       double step = std::abs(limited) < std::abs(plain) ? limited : plain;
