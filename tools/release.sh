@@ -12,6 +12,7 @@ version="$(sed -n 's/^project(spool VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)"
 [[ -n "$version" ]] || die "CMakeLists.txt: no version in project(spool VERSION ...)"
 folder="${1:-build/release-$version}"
 
+[[ -z "$(git rev-parse --show-cdup 2>/dev/null || echo none)" ]] || die "$PWD is no git clone of this user's: a release is made of a commit"
 [[ -z "$(git status --porcelain)" ]] || die "the tree has changes or files that git does not know: commit or remove them first"
 grep -qx "version: $version" CITATION.cff || die "CITATION.cff: its version is not $version"
 section="$(sed -n "/^## $version /,/^## /p" CHANGELOG.md | sed '/^## /d')"

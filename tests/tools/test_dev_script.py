@@ -1,8 +1,10 @@
 """tools/dev.sh: what its usage names is there, what it calls is defined, and what is fetched is pinned by hash."""
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -55,6 +57,55 @@ def test_a_verb_with_an_unknown_argument_does_nothing(arguments, tmp_path):
     asked = subprocess.run([script, *arguments.split()], capture_output=True, text=True, timeout=60, check=False)
     assert asked.returncode == 1 and files() == before, asked.stderr
     assert re.fullmatch(f"dev.sh: {arguments.split()[0]}: .*\n", asked.stderr)
+
+
+def one_line(done):
+    assert done.returncode == 1 and re.fullmatch(r"dev.sh: .*\n", done.stderr), done.stdout + done.stderr
+    return done.stderr
+
+
+@pytest.mark.parametrize("verb", ["docs", "lint", "mutate", "strangers"])
+def test_what_asks_git_for_its_files_needs_a_clone(verb, tmp_path):
+    script, files = copy_of_the_script(tmp_path)
+    before = files()
+    done = subprocess.run([script, verb], capture_output=True, text=True, timeout=60, check=False)
+    assert "git clone" in one_line(done) and files() == before
+
+
+@pytest.mark.parametrize("folder", [".", "build", "build/release"])
+def test_a_tree_of_another_owner_is_left_as_it_is(folder, tmp_path):
+    """Root may write everywhere: somebody else asks."""
+    if os.geteuid() == 0 and not shutil.which("setpriv"):
+        pytest.skip("root, and no setpriv")
+    # A name with blanks and letters beyond ASCII, where others may look.
+    with tempfile.TemporaryDirectory(prefix="spool tree \u00e4 ") as place:
+        place = Path(place)
+        script, files = copy_of_the_script(place)
+        (place / "build/release").mkdir()
+        for path in [place, *place.rglob("*")]:
+            path.chmod(0o777)
+        (place / folder).chmod(0o555)
+        before = files()
+        other = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] if os.geteuid() == 0 else []
+        done = subprocess.run([*other, script, "build"], capture_output=True, text=True, timeout=60, check=False)
+        assert "not writable" in one_line(done) and "spool tree \u00e4" in done.stderr and files() == before
+        (place / folder).chmod(0o777)
+
+
+def test_a_python_that_pip_could_not_make_is_named(tmp_path):
+    script, _ = copy_of_the_script(tmp_path)
+    (tmp_path / "tools/requirements").mkdir()
+    (tmp_path / "tools/requirements/lock.txt").write_text((TREE / "tools/requirements/lock.txt").read_text())
+    unreachable = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), "PIP_INDEX_URL": "http://127.0.0.1:1", "PIP_RETRIES": "0"}
+    done = subprocess.run([script, "lock"], capture_output=True, text=True, timeout=300, env=unreachable, check=False)
+    last = done.stderr.splitlines()[-1]
+    assert done.returncode == 1 and last.startswith("dev.sh: lock: ") and str(tmp_path / "cache/spool/lock-venv") in last, done.stderr
+
+
+def test_a_name_of_a_file_is_meant_where_the_caller_is(tmp_path):
+    for arguments, name in ([], "spool_recorder.zip"), (["a b.zip"], "a b.zip"):
+        made = subprocess.run([SCRIPT, "addon", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True)
+        assert made.stdout == f"{tmp_path / name}\n" and (tmp_path / name).is_file() and not (TREE / name).exists()
 
 
 LOCKS = [*TREE.glob("tools/requirements/*.txt"), TREE / "dumps/mitsuba/requirements.txt"]

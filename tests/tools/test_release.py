@@ -1,6 +1,7 @@
 """One version everywhere, and a release only from a tree that is ready."""
 import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -49,6 +50,17 @@ def check(folder):
 
 def test_a_whole_tree_is_ready(copy):
     assert check(copy) == (0, f"ready: {version()}\n")
+
+
+def test_a_tree_without_git_is_not_ready(copy):
+    """As the source archive of a release is; also where it lies in another repository."""
+    (copy / "tree").mkdir()
+    for name in ("CMakeLists.txt", "CITATION.cff", "CHANGELOG.md", "tools"):
+        (copy / name).rename(copy / "tree" / name)
+    for _ in range(2):
+        code, text = check(copy / "tree")
+        assert code == 1 and re.fullmatch(r"release.sh: .* is no git clone .*\n", text)
+        shutil.rmtree(copy / ".git", ignore_errors=True)
 
 
 def replace(file, old, new):
