@@ -239,7 +239,8 @@ configure() {
   [[ "$preset" == clang ]] && setup lint
   # The presets name ccache; without it the compiler is called directly.
   command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=)
-  cmake --preset "$preset" "${launcher[@]}" >/dev/null || cmake --preset "$preset" "${launcher[@]}" >&2
+  cmake --preset "$preset" "${launcher[@]}" >/dev/null || cmake --preset "$preset" "${launcher[@]}" >&2 ||
+    die "build/$preset cannot be configured (the message is above): remove that folder if it is of a tree elsewhere or half written"
 }
 
 build() {

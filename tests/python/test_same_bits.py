@@ -160,6 +160,6 @@ def test_one_metric_is_cheap():
 
 def test_arrays_of_one_plan(layers):
     one, two = layers["radiance"], 2 * layers["radiance"]
-    results = spool.evaluate({"recordings": [one, spool.recording(two, reference=2 * layers["reference"]), one],
+    results = spool.evaluate({"recordings": [one, spool.recording(two, reference=2 * layers["reference"]), 3 * one],
                               "spp": [4], "replicates": 2, "samplers": ["uniform"], "filters": ["box"]})
     assert sorted({row["dump"] for row in results.rows}) == ["recording", "recording_2", "recording_3"]

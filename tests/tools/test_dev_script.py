@@ -92,6 +92,17 @@ def test_a_tree_of_another_owner_is_left_as_it_is(folder, tmp_path):
         (place / folder).chmod(0o777)
 
 
+def test_a_build_of_a_tree_elsewhere_is_named(tmp_path):
+    script, _ = copy_of_the_script(tmp_path)
+    (tmp_path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(x NONE)\n")
+    (tmp_path / "CMakePresets.json").write_text((TREE / "CMakePresets.json").read_text())
+    (tmp_path / "build/release").mkdir()
+    (tmp_path / "build/release/CMakeCache.txt").write_text(
+        f"CMAKE_HOME_DIRECTORY:INTERNAL={tmp_path}/elsewhere\nCMAKE_CACHEFILE_DIR:INTERNAL={tmp_path}/elsewhere/build\n")
+    done = subprocess.run([script, "build"], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 1 and done.stderr.splitlines()[-1].startswith("dev.sh: build/release cannot be configured")
+
+
 def test_a_python_that_pip_could_not_make_is_named(tmp_path):
     script, _ = copy_of_the_script(tmp_path)
     (tmp_path / "tools/requirements").mkdir()
