@@ -10,7 +10,7 @@ from tools.report.results_table import read_results
 from tools.report.number_text import percent_text
 from tools.report.statistics_file import best_is_alone, read_statistics
 from tools.report.statistics_section import statistics_html
-from tools.report.summary import summarise, verdicts
+from tools.report.summary import leading, summarise, verdicts
 
 
 def read(tmp_path, rows, change=None):
@@ -48,6 +48,17 @@ def test_a_clear_difference_is_said_with_its_ratio(tmp_path):
     text = sentences_of(tmp_path, one_scene(noise=0.005))
     assert "multiscale + directional has the lowest error" in text
     assert "times the error of uniform + box" in text and "0.17" in text
+
+
+def test_scenes_where_nothing_is_compared_are_not_counted(tmp_path):
+    def void(data):
+        for condition in data["conditions"]:
+            for entry in condition["ranking"] if condition["dump"] == "dump0.spool" else ():
+                entry.update(compared=False, value=[0.0, 0.0, 0.0])
+    names = [f"dump{i}.spool" for i in range(5)]
+    combinations, statistics = read(tmp_path, make_rows(dumps=names, budgets=(8,), noise=0.005), void)
+    found = leading(summarise(combinations, statistics, "relmse", {n: n for n in names}), statistics, "relmse", 8)
+    assert ["comes first on 4 of 4 scenes where methods are compared, and" in s.text for s in found if s.kind == "finding"] == [True]
 
 
 def test_a_tie_is_said_to_be_one(tmp_path):

@@ -126,6 +126,18 @@ def test_the_remarks_are_about_what_the_table_shows(results):
     assert plain.count("MSE") < piped("evaluate", "--statistics-only", "out", "--wide", folder=results).count("MSE")
 
 
+def test_recordings_with_remarks_from_import_are_named(tmp_path):
+    for i in range(5):
+        write_dump(tmp_path / f"s{i}.spool", samples(seed=i)[0], meta={"import_remarks": ["radiance: whole numbers"]} if i else {})
+    run = ["--spp", "2", "--replicates", "2", "--no-pictures", "-o"]
+    text = piped("evaluate", *(f"s{i}.spool" for i in range(5)), *run, "out", folder=tmp_path)
+    assert "With remarks from import (spool info FILE shows them): s1.spool, s2.spool, s3.spool, 1 more." in " ".join(text.split())
+    assert "remarks from import" not in piped("evaluate", "s0.spool", *run, "none", folder=tmp_path)
+    (tmp_path / "s1.spool").unlink()  # results may be read where the recordings are not
+    text = " ".join(piped("evaluate", "--statistics-only", "out", folder=tmp_path).split())
+    assert re.search(r"shows them\): \S*s2.spool, \S*s3.spool, \S*s4.spool\.", text)
+
+
 def test_a_weaker_judge_is_said_to_be_one(tmp_path):
     write_dump(tmp_path / "bare.spool", samples(spp=64)[0])
     text = piped("evaluate", "bare.spool", "--spp", "2", "--replicates", "2", "--no-pictures", "-o", "out", folder=tmp_path)

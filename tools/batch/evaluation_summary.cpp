@@ -191,7 +191,7 @@ std::string remarks_text(const Study& study, const ShownResults& shown, const Sh
                         kBestShown, compared ? " and the baseline" : "", all.size());
   }
   text += would_decide_text(shown) + support_text(shown, wide) + light_text(shown) +
-          exchange_text(shown);
+          exchange_text(shown) + imported_text(study);
   if (std::ranges::any_of(shown, is_described_sampler) ||
       std::ranges::any_of(shown, is_described_filter))
     text += fmt::format("{}.\n", kByDescription);

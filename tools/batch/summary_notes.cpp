@@ -10,7 +10,10 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "formats/bounded_json.h"
+#include "formats/spool_reader.h"
 #include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
 #include "tools/terminal/console.h"
@@ -70,6 +73,15 @@ std::string worst_text(const char* what, const std::map<std::string, double>& wo
   if (order.size() > kMost) parts.push_back(fmt::format("{} more", order.size() - kMost));
   return fmt::format("{} by more than 2 % beyond the interval: {}.\n", what,
                      fmt::join(parts, ", "));
+}
+
+// One that cannot be read here was judged elsewhere.
+bool has_import_remarks(const std::string& recording) {
+  const auto reader = format::SpoolReader::open(recording);
+  return reader && std::ranges::any_of(reader->meta(), [](const std::string& text) {
+           const auto part = format::parse_json<nlohmann::json>(text);
+           return part.is_object() && part.contains("import_remarks");
+         });
 }
 
 }  // namespace
@@ -150,6 +162,24 @@ std::string exchange_text(const ShownResults& shown) {
   return fmt::format("Commands: {} takes {}, {} of it to start and for files (seconds_exchange).\n",
                      visible_text(shown_method(*slowest)), format_seconds(all),
                      format_seconds(most));
+}
+
+std::string imported_text(const Study& study) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> found;
+  for (const PlanScene& scene : study.scenes) {
+    for (const std::string& recording : scene.recordings) {
+      if (has_import_remarks(recording)) found.push_back(visible_text(recording));
+    }
+  }
+  if (found.empty()) return "";
+  std::string more;
+  if (found.size() > kMost) {
+    more = fmt::format(", {} more", found.size() - kMost);
+    found.resize(kMost);
+  }
+  return fmt::format("With remarks from import (spool info FILE shows them): {}{}.\n",
+                     fmt::join(found, ", "), more);
 }
 
 }  // namespace spool::tools

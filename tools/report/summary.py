@@ -41,13 +41,15 @@ def leading(sentences, statistics, metric, budget):
 
 def _counted(statistics, metric, budget):
     """Of many scenes: how often the two that most often come first do so, and how often they are separated."""
-    conditions = [c for c in statistics.of_metric(metric) if c["spp"] == budget]
+    everywhere = [c for c in statistics.of_metric(metric) if c["spp"] == budget]
+    conditions = [c for c in everywhere if any(e["compared"] for e in c["ranking"])]
+    scenes = f"{len(conditions)} scenes" + (" where methods are compared" if len(conditions) < len(everywhere) else "")
     first, alone = Counter(), Counter()
     for condition in conditions:
         name = name_of(condition["ranking"][0])
         first[name] += 1
         alone[name] += best_is_alone(condition)
-    return [Sentence(f"At {budget:g} spp, {name} comes first on {count} of {len(conditions)} scenes, and is separated "
+    return [Sentence(f"At {budget:g} spp, {name} comes first on {count} of {scenes}, and is separated "
                      f"from every other method that is compared on {alone[name]} of them.") for name, count in first.most_common(2)]
 
 
