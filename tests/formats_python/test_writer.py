@@ -4,6 +4,7 @@ import gc
 import os
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -271,6 +272,31 @@ def test_remarks_of_two_processes_all_arrive(tmp_path):
                              env={"PYTHONPATH": os.pathsep.join(sys.path)}) for name in "ab"]
     assert [process.wait() for process in both] == [0, 0]
     assert len(spool.open(tmp_path / "a.spool").meta) == 20
+
+
+def test_what_pack_remarks_is_warned_of_in_its_words(tmp_path):
+    random = np.random.default_rng(1)
+    unit = random.normal(size=(8, 8, 4, 3))
+    unit /= np.linalg.norm(unit, axis=-1, keepdims=True)
+    radiance = random.random((8, 8, 4, 3)).astype("f2")
+
+    def warned(samples, **layers):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            spool.write(tmp_path / "a.spool", samples, force=True, **layers)
+        assert all(each.filename == __file__ for each in caught)
+        return [str(each.message).partition("a.spool: ")[2] for each in caught]
+    assert warned(radiance, normal=unit, hit=np.ones((8, 8, 4), "u1")) == []
+    assert warned(radiance, normal=unit / 2 + 0.5) == ["normal: encoded as n / 2 + 1 / 2 (no value is below 0): store 2 v - 1"]
+    assert warned(radiance, normal_geo=np.rint((unit / 2 + 0.5) * 255)) == ["normal_geo: encoded in 8 bits, 0 to 255: store 2 v / 255 - 1"]
+    radiance[0, 0, 0] = np.inf, np.nan, -65504
+    assert warned(radiance, normal=np.abs(unit)) == ["2 values are not finite and were stored as they are",
+                                                     "1 values at the half-float limit: the renderer clamped them"]
+    assert np.isposinf(spool.open(tmp_path / "a.spool").read("radiance")[0, 0, 0, 0])
+    with warnings.catch_warnings(), pytest.raises(UserWarning):
+        warnings.simplefilter("error")
+        spool.write(tmp_path / "b.spool", radiance)
+    assert os.listdir(tmp_path) == ["a.spool"]
 
 
 def test_layers_of_unequal_numbers_of_samples_are_named(tmp_path):

@@ -49,11 +49,45 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     with Writer(path, width, height, spp, declared, tile_size=tile_size, block_spp=block_spp,
                 sample_order=sample_order, meta=meta, uuid=uuid, compress=compress, force=force) as writer:
         try:
+            _note_values(path, arrays)
+            _note_normals(path, arrays)
             _write_all(writer, arrays, declared)
-        except SpoolError as error:
-            if error.kind == "usage":  # of the arrays, which are all still there
+        except (SpoolError, Warning) as error:
+            if getattr(error, "kind", "usage") == "usage":  # of the arrays, which are all still there
                 writer.discard()
             raise
+
+
+def _note_values(path, arrays):
+    """As `spool pack` remarks it (formats/interchange/dump_import.cpp)."""
+    floats = [values for values in arrays.values() if values.dtype.kind == "f"]
+    rows = [row for values in floats for row in (values if values.ndim > 1 else values[None])]
+    if count := sum(row.size - np.count_nonzero(np.isfinite(row)) for row in rows):
+        warnings.warn(f"{path}: {count} values are not finite and were stored as they are", stacklevel=3)
+    if count := sum(np.count_nonzero(np.abs(row) == 65504) for row in rows if row.dtype.itemsize == 2):
+        warnings.warn(f"{path}: {count} values at the half-float limit: the renderer clamped them", stacklevel=3)
+
+
+def _near_one(vectors):
+    return np.abs(np.linalg.norm(vectors, axis=1) - 1) <= 0.05
+
+
+def _note_normals(path, arrays):
+    """As `spool pack` remarks it (formats/interchange/feature_ranges.cpp)."""
+    for name, values in arrays.items():
+        if VOCABULARY.get(name, ("", 0))[1] != 3 or values.ndim != 4 or values.shape[3] != 3 or not values.size:
+            continue
+        pixels = values.reshape(-1, *values.shape[2:])
+        v = pixels[::1 + len(pixels) // 2**14].reshape(-1, 3).astype(np.float64)
+        v = v[np.isfinite(v).all(axis=1) & v.any(axis=1)]
+        if len(v) < 16 or (v < 0).any():
+            continue
+        if _near_one(v).mean() >= 0.95:
+            continue
+        if v[:, 0].max() <= 1.001 and (_near_one(2 * v - 1) | (np.linalg.norm(2 * v - 1, axis=1) < 0.05)).mean() >= 0.95:
+            warnings.warn(f"{path}: {name}: encoded as n / 2 + 1 / 2 (no value is below 0): store 2 v - 1", stacklevel=3)
+        elif _near_one(v * 2 / 255 - 1).mean() >= 0.95:
+            warnings.warn(f"{path}: {name}: encoded in 8 bits, 0 to 255: store 2 v / 255 - 1", stacklevel=3)
 
 
 def check_reference(path, arrays):

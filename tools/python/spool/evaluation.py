@@ -9,6 +9,7 @@ import json
 import os
 import tempfile
 import uuid
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -162,7 +163,9 @@ def _path_of(item, scratch):
     taken = set(os.listdir(scratch))  # two of one name: NAME, NAME_2
     free = next(one for one in itertools.chain([name], (f"{name}_{i}" for i in itertools.count(2))) if f"{one}.spool" not in taken)
     place = os.path.join(scratch, f"{free}.spool")
-    write(place, sample_order=held.sample_order, uuid=_uuid_of(held), **held.arrays)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what is said of arrays is said when they become a recording
+        write(place, sample_order=held.sample_order, uuid=_uuid_of(held), **held.arrays)
     return place
 
 
