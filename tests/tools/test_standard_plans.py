@@ -24,9 +24,9 @@ def plans(tmp_path_factory):
         (tree / "tools/plans" / plan.name).write_text(plan.read_text())
     make_recordings(PROGRAM, tree / "tools/plans/pools")
     asked = {name for plan in PLANS for name in tomllib.loads(plan.read_text()).get("recordings", ()) if "/" not in name}
-    long = make_recording(PROGRAM, tree, "long", ("scene_s", 16, 1024, 1))
-    for name in asked:  # recordings of full size, which are made elsewhere: a small one stands for each
-        (tree / "tools/plans" / name).symlink_to(long if name.endswith("_long") else ROOT / "dumps/tiny/chess.spool")
+    for seed, name in enumerate(sorted(asked)):  # recordings of full size, which are made elsewhere: a small one stands for each
+        made = make_recording(PROGRAM, tree, name, ("scene_s", 16, 1024 if name.endswith("_long") else 256, seed))
+        (tree / "tools/plans" / name).symlink_to(made)
     return tree / "tools/plans"
 
 
