@@ -12,10 +12,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/bounded_json.h"
 #include "formats/spool_reader.h"
 #include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
+#include "tools/batch/dump_meta.h"
 #include "tools/terminal/console.h"
 
 namespace spool::tools {
@@ -78,10 +78,7 @@ std::string worst_text(const char* what, const std::map<std::string, double>& wo
 // One that cannot be read here was judged elsewhere.
 bool has_import_remarks(const std::string& recording) {
   const auto reader = format::SpoolReader::open(recording);
-  return reader && std::ranges::any_of(reader->meta(), [](const std::string& text) {
-           const auto part = format::parse_json<nlohmann::json>(text);
-           return part.is_object() && part.contains("import_remarks");
-         });
+  return reader && merged_meta(*reader).contains("import_remarks");
 }
 
 }  // namespace

@@ -7,12 +7,12 @@
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/plan_reader.h"
 #include "tools/batch/dry_run.h"
+#include "tools/batch/dump_meta.h"
 #include "tools/batch/evaluation_run.h"
 #include "tools/batch/executor_run.h"
 #include "tools/batch/exported_inputs.h"
 #include "tools/batch/run_folder.h"
 #include "tools/methods/external_methods.h"
-#include "tools/verbs/dump_meta.h"
 #include "tools/verbs/mask_files.h"
 #include "tools/verbs/option_bounds.h"
 

@@ -8,8 +8,8 @@
 #include "formats/interchange/sha256.h"
 #include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
+#include "tools/batch/dump_meta.h"
 #include "tools/json/json_text.h"
-#include "tools/verbs/dump_meta.h"
 
 namespace spool::tools {
 namespace {

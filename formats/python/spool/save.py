@@ -93,8 +93,10 @@ def _note_normals(path, arrays):
 def check_reference(path, arrays):
     """Errors are debiased by its variance, and made too small where it is of the same samples."""
     _check_variance(path, arrays)
-    _note_own_mean(path, arrays)
-    _note_other_picture(path, arrays)
+    radiance, reference = arrays["radiance"], arrays.get("reference")
+    if reference is not None and reference.shape == (*radiance.shape[:2], 3):
+        _note_own_mean(path, radiance, reference)
+        _note_other_picture(path, radiance, reference)
 
 
 def _check_variance(path, arrays):
@@ -122,26 +124,16 @@ def is_mean_of(samples, reference):
     return noisy.sum() >= 32 and near[noisy].mean() >= 0.99
 
 
-def _note_own_mean(path, arrays):
+def _note_own_mean(path, radiance, reference):
     """What is judged by the mean of its own samples is judged too kindly (lib/experiment/reference.cpp)."""
-    radiance, reference = arrays["radiance"], arrays.get("reference")
-    if not _judges(radiance, reference):
-        return
     rows = slice(None, None, 1 + radiance.size // 2**20)
     if is_mean_of(radiance[rows].astype(np.float64), reference[rows]):
         warnings.warn(f"{path}: the reference is the mean of these samples, which judges them too kindly: render one of other samples, "
                       "or leave it out", stacklevel=4)
 
 
-def _judges(radiance, reference):
-    return reference is not None and reference.shape == (*radiance.shape[:2], 3)
-
-
-def _note_other_picture(path, arrays):
+def _note_other_picture(path, radiance, reference):
     """As `spool pack` remarks it (formats/interchange/reference_watch.cpp)."""
-    radiance, reference = arrays["radiance"], arrays.get("reference")
-    if not _judges(radiance, reference):
-        return
     rows = slice(None, None, 1 + radiance.size // 2**22)
     if found := other_picture(radiance[rows].astype(np.float64), reference, rows):
         warnings.warn(f"{path}: the reference {found}", stacklevel=4)

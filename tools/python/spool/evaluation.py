@@ -121,6 +121,7 @@ class Results:
 
 
 _FILES = ("results.jsonl", "statistics.json")
+_LARGEST_PLAN = 16 << 20  # as the program's
 
 
 def _versions(folder):
@@ -130,7 +131,6 @@ def _versions(folder):
         state = os.stat(file) if os.path.isfile(file) else None
         found.append(state and (state.st_ino, state.st_mtime_ns, state.st_size))
     return found
-_LARGEST_PLAN = 16 << 20  # as the program's
 
 
 def _text_of(plan, scratch):

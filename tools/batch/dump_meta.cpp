@@ -1,4 +1,4 @@
-#include "tools/verbs/dump_meta.h"
+#include "tools/batch/dump_meta.h"
 
 #include <algorithm>
 #include <cctype>
