@@ -7,6 +7,7 @@ Exit codes: 0 done, 1 the scene cannot be recorded, 2 wrong use, 3 Blender or th
 Run again after an interruption: finished passes are kept, and the samples and the reference are the same
 bit for bit (not the recording: its identifier and the measured cost of a sample differ).
 """
+import contextlib
 import os
 import signal
 import sys
@@ -131,6 +132,16 @@ class Recorder:
         return planes_of(plan, rendered, self.width, self.height, self.mist_depth), entry
 
 
+def leave(code):
+    """Ends Blender at once: 3.4 may crash while it unloads Cycles after all is done, and the code must be ours.
+
+    Its temporary folder goes, where nothing is left in it: Blender itself removes it on its own way out only.
+    """
+    with contextlib.suppress(OSError):
+        os.rmdir(bpy.app.tempdir)
+    os._exit(code)
+
+
 class Stop:
     """A first Ctrl-C or SIGTERM ends the recording after the pass at work, a second one at once."""
 
@@ -141,7 +152,7 @@ class Stop:
 
     def _handle(self, number, frame):
         if self.wanted:
-            os._exit(3)                    # what is on disk is whole at any moment
+            leave(3)                       # what is on disk is whole at any moment
         self.wanted = True
 
 
@@ -246,5 +257,4 @@ def run():
 if __name__ == "__main__":
     code = guarded(run, "record")
     sys.stderr.flush()
-    # Blender 3.4 may crash while it unloads Cycles after all is done; the code must be ours.
-    os._exit(code)
+    leave(code)

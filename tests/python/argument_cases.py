@@ -31,7 +31,7 @@ RADIANCE = random.random((4, 5, 8, 3), np.float32)
 IMAGE = random.random((4, 5, 3))
 COUNTS = np.full((4, 5), 2)
 RECORDING = spool.recording(RADIANCE, reference=IMAGE)
-FOLDER = tempfile.mkdtemp(prefix="spool-arguments-")
+FOLDER = tempfile.mkdtemp()                   # of the temporary folder that the test gives
 
 
 @spool.sampler

@@ -1,6 +1,7 @@
 """No value that a function is handed ends the process or is taken for something else: each is a SpoolError of one line."""
 import inspect
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -16,9 +17,10 @@ OF_THE_FORMAT = {"write"}
 
 
 @pytest.mark.parametrize("name", argument_cases.FUNCTIONS)
-def test_every_parameter(name):
+def test_every_parameter(name, tmp_path):
     script = pathlib.Path(argument_cases.__file__)
-    done = subprocess.run([sys.executable, script, name], capture_output=True, text=True, timeout=4 * LONGEST_RUN)
+    done = subprocess.run([sys.executable, script, name], capture_output=True, text=True, timeout=4 * LONGEST_RUN,
+                          env={**os.environ, "TMPDIR": str(tmp_path)})
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.returncode == 0, (lines[-1:], done.returncode, done.stderr[-2000:])
     wrong = []

@@ -4,6 +4,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import tempfile
 
 import pytest
 
@@ -21,7 +22,12 @@ def command(*options):
 
 
 def record(*options, **more):
-    return subprocess.run(command(*options), capture_output=True, text=True, timeout=280, **more)
+    """One run of the recorder, which leaves nothing in the temporary folder of the system."""
+    with tempfile.TemporaryDirectory() as temporary:
+        done = subprocess.run(command(*options), capture_output=True, text=True, timeout=280,
+                              env={**os.environ, "TMPDIR": temporary}, **more)
+        assert os.listdir(temporary) == []
+    return done
 
 
 def one_line(text):
