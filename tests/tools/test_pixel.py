@@ -32,6 +32,16 @@ def test_recorded_order_is_that_of_the_file_and_the_interval_is_students(good, s
     assert histogram["edges"][0] == pytest.approx(y[y > 0].min(), rel=1e-6)
 
 
+def test_equal_samples_give_no_interval(good, tmp_path):
+    radiance = np.full((8, 8, 4, 3), 0.3, np.float32)
+    radiance[0, 1, 3] = 2.0                       # the first three of this pixel are equal
+    spool.write(tmp_path / "equal.spool", radiance)
+    for at, bounded in (("0,0", []), ("1,0", [3])):
+        pixel, = good("pixel", tmp_path / "equal.spool", "--at", at, "--json").json
+        ends = [i for i, low in enumerate(pixel["low"]) if low is not None and np.isfinite(low)]
+        assert ends == bounded and pixel["mean"][2] == pytest.approx(0.3, rel=1e-6)
+
+
 def test_an_evaluations_first_replicate_takes_the_first_of_the_list(good, scene, tmp_path):
     for order in ([], ["--recorded-order"]):
         good("evaluate", scene, "--samplers", "uniform,multiscale", "--spp", "4", "--replicates", "1", "--seed", "9", *order,

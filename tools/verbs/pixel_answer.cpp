@@ -10,15 +10,16 @@
 namespace spool::tools {
 namespace {
 
-// The interval is Student's of the samples as they are; of one sample there is none.
+// Student's interval of the samples as they are; of one, or of equal ones, there is none.
 void add_running_mean(PixelAnswer& pixel, const std::vector<double>& values) {
   double mean = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double n = static_cast<double>(i + 1), delta = values[i] - mean;
     mean += delta / n;
     squares += delta * (values[i] - mean);
-    const double half =
-        i == 0 ? NAN : student_quantile(0.975, n - 1.0) * std::sqrt(squares / (n - 1.0) / n);
+    const double half = squares == 0.0
+                            ? NAN
+                            : student_quantile(0.975, n - 1.0) * std::sqrt(squares / (n - 1.0) / n);
     pixel.mean.push_back(mean);
     pixel.low.push_back(mean - half);
     pixel.high.push_back(mean + half);
