@@ -17,7 +17,7 @@ import spool
 from conftest import LONGEST_RUN, PROGRAM
 from spool import executors
 
-TIMES = ("seconds", "cpu", "efficiency", "peak_memory", "timing")  # of the machine
+TIMES = ("seconds", "cpu", "efficiency", "peak_memory", "timing", "threads_used")  # of the machine
 PLAN = {"samplers": ["uniform", "multiscale"], "filters": ["box", "directional"], "spp": [2, 4], "replicates": 2}
 CELLS = 2 * 2 * 2 * 2
 MPI4PY = importlib.util.find_spec("mpi4py") is not None
@@ -55,6 +55,27 @@ def test_the_same_bits_as_in_one_process(path, whole, pool, tmp_path):
     assert spread.statistics["conditions"] == whole.statistics["conditions"]
     assert shares[-1] == (1.0, CELLS, CELLS)
     assert {row["timing"] for row in spread.rows} == {"shared"}
+
+
+OFFSET = 0.0
+
+
+@spool.sampler
+def by_variance(statistics, power=0.5):
+    return statistics.variance.sum(axis=2)**power
+
+
+@spool.filter
+def shifted(statistics):
+    return statistics.mean + OFFSET
+
+
+def test_own_functions_are_found_by_name(path, pool, monkeypatch):
+    plan = plan_of(path, samplers=["uniform", {"name": by_variance, "power": [0.5, 1.0]}], filters=["box", shifted], spp=[4])
+    assert facts(spool.evaluate(plan, executor=pool)) == facts(spool.evaluate(plan))
+    monkeypatch.setitem(globals(), "OFFSET", 0.5)
+    with pytest.raises(spool.SpoolError, match="shifted> is another function in a worker"):
+        spool.evaluate(plan, executor=pool)
 
 
 def test_pictures_are_those_of_one_process(path, pool, tmp_path):
@@ -143,7 +164,7 @@ def test_functions_and_what_is_no_executor_are_named(path, pool):
     def mine(statistics):
         return statistics.mean
 
-    with pytest.raises(spool.SpoolError, match="<spool.filter mine> is a function, which other processes do not have"):
+    with pytest.raises(spool.SpoolError, match="<spool.filter mine> is not found by its name in its module"):
         spool.evaluate(plan_of(path, filters=[mine]), executor=pool)
     with pytest.raises(spool.SpoolError, match="executor"):
         spool.evaluate(plan_of(path), executor=3)

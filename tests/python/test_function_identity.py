@@ -29,6 +29,8 @@ REACHED = {
     "decorated": ("def twice(f): return functools.wraps(f)(lambda m: f(f(m)))\n@twice\ndef scale(m): return m * FACTOR", "scale(s.mean)"),
     "closure": ("def made(f): return lambda m: m * f\nscale = [made(FACTOR)]", "scale[0](s.mean)"),
     "own method": ("@spool.filter\ndef scale(s): return s.mean * FACTOR\nscales = [scale]", "scales[0](s)"),
+    "pickled by name": ("class Scale:\n    def __init__(self, f): self.f = f\n    def __reduce__(self): return 'scale'\n"
+                        "scale = Scale(FACTOR)\nscales = [scale]", "s.mean * scales[0].f"),
     "texts": ("names = {'albedo', 'normal', 'depth', str(FACTOR)}", "s.mean * len(names)"),
     "sets of sets": ("names = [frozenset({frozenset({'a', 'b', str(FACTOR)}), frozenset({'c', 'd'})})]", "s.mean * len(names)"),
     "constant of a lambda": ("scale = lambda m: m * FACTOR if 'a' in {'a', 'b', 'c', 'd'} else m", "scale(s.mean)"),

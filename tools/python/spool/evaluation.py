@@ -7,6 +7,7 @@ import hashlib
 import itertools
 import json
 import os
+import pickle
 import tempfile
 import uuid
 import warnings
@@ -19,7 +20,7 @@ from .arguments import flag, path, text, wrong
 from .cells import results_html
 from .error import SpoolError, open_regular
 from .executors import Plan, spread
-from .own_methods import Method
+from .own_methods import Method, method_text
 from .plan_text import plan_text
 from .recordings import Dump, Recording, recording_of
 from .save import write
@@ -34,15 +35,14 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
     arrays, and "samplers" and "filters" functions made by @spool.sampler and @spool.filter. `output`: the folder of
     the results, which the same call continues; without it they go with the Results, and no images are kept of a dict.
     Where some fail, the SpoolError has the Results of all as `results`.
-    `executor`: any concurrent.futures.Executor, whose workers find the recordings under the same paths: each task is a
-    sampling run on one thread, the most expensive first; the same bits. `progress(share, done, of)` is called a few
-    times a second, with an executor after each task.
+    `executor`: any concurrent.futures.Executor, whose workers find the recordings under the same paths, and functions by
+    name in their modules: each task is a sampling run on one thread, the most expensive first; the same bits.
+    `progress(share, done, of)` is called a few times a second, with an executor after each task.
     """
     if progress is not None and not callable(progress):
         raise wrong("progress", progress, "no function of (share, done, of)")
     kept = None if output is None else os.path.abspath(text("output", path("output", output)))
-    if executor is not None:
-        _check_executor(executor, plan)
+    own = () if executor is None else _own_methods(executor, plan)
     switches = flag("force", force), flag("exact_timing", exact_timing)
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
         folder = None if kept else tempfile.TemporaryDirectory(prefix="spool-")
@@ -55,7 +55,7 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
             if executor is None:
                 _core.evaluate(written, name, beside, place, *switches, None, False, 0, progress)
             else:
-                spread(executor, Plan(written, name, beside, switches[1]), place, switches[0], progress)
+                spread(executor, Plan(written, name, beside, switches[1], own), place, switches[0], progress)
         except SpoolError as reason:
             # Results that this call wrote are kept, whatever the rest of the plan did.
             if all(version and version != before for version, before in zip(_versions(place), earlier)):
@@ -178,13 +178,18 @@ def _uuid_of(held):
     return uuid.UUID(bytes=digest.digest()[:16])
 
 
-def _check_executor(executor, plan):
+def _own_methods(executor, plan):
+    """(Method, its name in the plan), for workers, which import its module."""
     if not isinstance(executor, concurrent.futures.Executor):
         raise wrong("executor", executor, "no concurrent.futures.Executor")
-    for method in _functions_of(plan):
-        if callable(method) or isinstance(method, Method):
-            raise SpoolError("usage", f"executor: {method!r} is a function, which other "
-                             "processes do not have: leave executor out, or name built-in methods and commands (exec:)")
+    methods = [method for method in _functions_of(plan) if isinstance(method, Method)]
+    for method in methods:
+        try:
+            pickle.dumps(method)
+        except (pickle.PicklingError, AttributeError):
+            raise SpoolError("usage", f"executor: {method!r} is not found by its name in its module, from which workers import it: "
+                                      "decorate it at the top of a module, or leave executor out") from None
+    return [(method, method_text(method.kind, method)) for method in methods]
 
 
 def _functions_of(plan):

@@ -7,11 +7,12 @@ import contextlib
 import os
 import secrets
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from . import _core
 from .error import SpoolError
+from .own_methods import Method, method_text
 
 _SHORT = 2.0        # expected CPU seconds: shorter runs of one recording make one task
 _UNDER_WAY = 1000   # tasks that wait in the executor; the others wait here
@@ -24,6 +25,7 @@ class Plan(NamedTuple):
     name: str     # in errors
     beside: str   # the folder that paths of the text are relative to
     exact_timing: bool
+    own: Sequence[tuple[Method, str]] = ()  # functions with their names in the text
 
 
 def spread(executor: concurrent.futures.Executor, plan: Plan, place: str, force: bool,
@@ -97,6 +99,9 @@ def _do(plan: Plan, identity: bytes, ids: list[str], threads: int) -> dict[str, 
 
     `identity`: dumps.json of that folder; a worker that finds other recordings refuses them.
     """
+    for method, name in plan.own:
+        if method_text(method.kind, method) != name:
+            raise SpoolError("usage", f"{method!r} is another function in a worker: its module there has another text or other values")
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
         place = os.path.join(scratch, "results")
         os.makedirs(os.path.join(place, "cells"))

@@ -150,7 +150,10 @@ class _Description(pickle.Pickler):
         if isinstance(value, (type, types.FunctionType)) or type(value) in copyreg.dispatch_table:
             return NotImplemented
         try:
-            return value.__reduce_ex__(_PROTOCOL)
+            reduced = value.__reduce_ex__(_PROTOCOL)
+            if isinstance(reduced, str) and not _is_installed(value.__module__):  # by name: what it holds may change
+                return str, (type(value).__qualname__, vars(value))
+            return reduced
         except Exception:  # noqa: BLE001 - whatever it raises
             return str, (type(value).__qualname__, b"" if isinstance(value, _LOCKS) else _HERE + b"%d" % id(value))
 

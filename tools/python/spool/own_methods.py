@@ -63,7 +63,7 @@ class Method:
             if name in (*self.texts, "moments", *_OF_THE_STAGE[kind]):
                 raise SpoolError("usage", f"{self.label}: every {kind} has an option {name} already: name yours otherwise")
         _core.check_called_options(self.with_options({}))
-        self.__doc__ = function.__doc__
+        self.__doc__, self.__module__ = function.__doc__, function.__module__
 
     @property
     def key(self):
@@ -76,6 +76,9 @@ class Method:
 
     def __repr__(self):
         return f"<spool.{self.kind} {self.label}>"
+
+    def __reduce__(self):
+        return self.function.__qualname__  # pickled by name, as its function would be
 
     def with_options(self, texts):
         """Ready to be called, with its options as texts."""
