@@ -19,6 +19,7 @@ constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analys
 constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
 constexpr double kWorstPixels = 1e-3;        // share of the pixels
 constexpr double kLargeFactor = 100.0;       // on an image that has lost its energy
+constexpr double kLeastKept = 1e-8;          // of what is dropped: less is its rounding
 constexpr int kWhole = -1;                   // the image instead of a resample of its blocks
 
 bool is_finite(const RgbImage& image, std::size_t p) {
@@ -398,7 +399,8 @@ class Evaluation {
         // The factor keeps ceil from counting the rounding of trim * count as one pixel more.
         const double to_drop = std::ceil(options_.trim * count * (1.0 - 1e-12));
         double left = to_drop, dropped = 0.0;
-        largest(largest_relative_, relative_).walk([&](const LargestFirst::Entry& entry) {
+        LargestFirst& errors = largest(largest_relative_, relative_);
+        errors.walk([&](const LargestFirst::Entry& entry) {
           if (left <= 0.0) return false;
           const double copies = std::min(left, copies_of(entry.pixel, resample));
           dropped += copies * entry.value;
@@ -406,7 +408,9 @@ class Evaluation {
           return true;
         });
         if (metric.rule == Rule::kDropped) return quotient(dropped, count);
-        return quotient(sum(kRelative, resample) - dropped, count - to_drop);
+        double kept = sum(kRelative, resample) - dropped;
+        if (std::abs(kept) < kLeastKept * dropped) kept = sum_behind(errors, to_drop, resample);
+        return quotient(kept, count - to_drop);
       }
       case Rule::kQuantile:
       case Rule::kMaximum: {
@@ -426,6 +430,18 @@ class Evaluation {
         break;
     }
     return kNaN;
+  }
+
+  // Of all errors but the largest `drop`, added up without them.
+  double sum_behind(LargestFirst& errors, double drop, int resample) const {
+    double sum = 0.0;
+    errors.walk([&](const LargestFirst::Entry& entry) {
+      const double copies = copies_of(entry.pixel, resample), dropped = std::min(drop, copies);
+      drop -= dropped;
+      sum += (copies - dropped) * entry.value;
+      return true;
+    });
+    return sum;
   }
 
   double copies_of(std::size_t pixel, int resample) const {
