@@ -98,8 +98,7 @@ Result<Reconstruction> run_stage(const FilterFunction& filter, const StageOption
     RgbImage& image = result->image;
     if (image[0].width() != n.width() / q || image[0].height() != n.height() / q)
       return result;  // the caller reports it
-    GuardCounts counted_by_the_filter;
-    const double unit = scene_luminance(selection.statistics, counted_by_the_filter);
+    const double unit = scene_luminance(selection.statistics, guards);
     if (options.residual == ResidualStage::kHalves)
       image = return_residual(std::move(image), selection, pool, unit, guards);
     if (options.energy != EnergyStage::kOff)

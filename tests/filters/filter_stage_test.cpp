@@ -124,6 +124,19 @@ TEST(FilterStage, ClampIsThatOfTheKernelAndIsCounted) {
   }
 }
 
+// Of a filter that has no unit itself.
+TEST(FilterStage, AUnitThatIsMissingIsCounted) {
+  const SamplePool pool =
+      testing::make_pool(8, 6, 4, [](int, int, int) { return Rgb{-1.0f, -1.0f, -1.0f}; });
+  const auto counted = [&](const OptionValues& set) {
+    return run("clamped", set, testing::select_uniform(pool, 4), pool)
+        .guards[Guard::kExposureFallback];
+  };
+  EXPECT_EQ(counted({}), 0u);
+  EXPECT_EQ(counted({{"energy", "box"}}), 1u);
+  EXPECT_EQ(counted({{"residual", "halves"}}), 1u);
+}
+
 TEST(FilterStage, OffIsTheFilterItself) {
   const SamplePool pool = bright_pool();
   const Selection selection = testing::select_uniform(pool, 8);
