@@ -168,7 +168,7 @@ OptionTable<DirectionalOptions> directional_option_table() {
                                  "all samples about all, or each half of them about the other"),
       expert(choice_option<O, bool>(
           "exposure", &O::normalise_exposure, {{"normalise", true}, {"none", false}},
-          "bring the mean luminance of a bare selection to 1 before deciding")),
+          "bring the mean luminance to 1 before deciding where the sampler did not")),
       expert(var_mode_option(&O::var_mode)),
       integer_option<O>("noise_pool", &O::noise_pool, 0, 64,
                         "largest radius from which a variance is pooled, pieces; 0: not at all"),
