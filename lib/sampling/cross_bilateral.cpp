@@ -57,6 +57,7 @@ Result<SamplingResult> sample_cross_bilateral(const SamplePool& pool, long long 
     for (const Guard decides : {Guard::kNegativeError, Guard::kFeatureNotFinite})
       spending.log.guards.add(decides, guards[decides]);
     if (context.views != nullptr) context.views->add_next("density", density);
+    if (!decide(density)) return CountImage();
     return hand_out(density, spending.statistics.n, pool, share);
   };
   SPOOL_TRY(

@@ -50,6 +50,7 @@ Result<SamplingResult> sample_denoised_variance(const SamplePool& pool, long lon
     SPOOL_ASSIGN(const Plane deviation,
                  sample_deviation(spending.statistics, pool, options, spending.log.guards));
     if (context.views != nullptr) context.views->add_next("deviation", deviation);
+    if (!decide(deviation)) return CountImage();
     return hand_out_deficits(deviation, spending.statistics.n, pool, share);
   };
   SPOOL_TRY(spend_in_rounds(spending, pool, options.rounds, "denoised_variance", context, choose));

@@ -25,6 +25,7 @@ Result<SamplingResult> sample_filtered_halves(const SamplePool& pool, long long 
     SPOOL_ASSIGN(const Plane weight,
                  filter_disagreement(statistics, pool, context.filter, options.blur, &error));
     if (context.views != nullptr) context.views->add_next("error", error);
+    if (!decide(weight)) return CountImage();
     return hand_out_deficits(pixels_to_pieces(weight, pool.pieces_per_side()), statistics.n, pool,
                              share);
   };

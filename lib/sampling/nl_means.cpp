@@ -126,6 +126,7 @@ Result<SamplingResult> sample_nl_means(const SamplePool& pool, long long budget,
     SPOOL_ASSIGN(Plane error,
                  nl_means_error(halves, spending.statistics, options, spending.log.guards));
     if (context.views != nullptr) context.views->add_next("error", error);
+    if (!decide(error)) return CountImage();
     error = gaussian_blur(error, kBlur);
     return hand_out_limited(error, spending.statistics.n, pool, share, most);
   };

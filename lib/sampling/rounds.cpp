@@ -1,6 +1,7 @@
 #include "lib/sampling/rounds.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "lib/core/parallel.h"
 #include "lib/sampling/apportion.h"
@@ -37,6 +38,10 @@ std::vector<long long> room_of(const CountImage& n, const SamplePool& pool) {
   return room;
 }
 
+bool decide(const Plane& weights) {
+  return std::ranges::any_of(weights.pixels(), [](double weight) { return weight > 0.0; });
+}
+
 CountImage hand_out(const Plane& weights, const CountImage& n, const SamplePool& pool,
                     long long share) {
   SPOOL_CHECK(weights.same_size(n));
@@ -52,7 +57,13 @@ Result<void> spend_in_rounds(Spending& spending, const SamplePool& pool, int rou
                              const std::function<Result<CountImage>(long long share)>& choose) {
   for (const long long share : equal_shares(spending.left, rounds)) {
     if (share == 0) continue;
-    SPOOL_ASSIGN(const CountImage extra, choose(share));
+    SPOOL_ASSIGN(CountImage extra, choose(share));
+    if (extra.empty()) {
+      const CountImage& n = spending.statistics.n;
+      extra = raise_least_sampled(n, pool, n.bounds(), share, context.seed);
+      std::ranges::transform(extra.pixels(), n.pixels(), extra.pixels().begin(), std::minus{});
+      spending.log.uniform_remainder += share;
+    }
     spend(spending, pool, extra);
     SPOOL_TRY(report_progress(context, sampler, count_samples(spending.statistics.n),
                               spending.log.budget));

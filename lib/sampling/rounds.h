@@ -29,12 +29,16 @@ std::vector<long long> equal_shares(long long total, int rounds);
 // What every piece has left.
 std::vector<long long> room_of(const CountImage& n, const SamplePool& pool);
 
+// Whether weights decide anything: one of them is above 0.
+bool decide(const Plane& weights);
+
 // Apportions `share` over the pieces in proportion to `weights` (NaN and negative count as 0), no
 // piece beyond its capacity: samples to take per piece, in all min(share, what is left).
 CountImage hand_out(const Plane& weights, const CountImage& n, const SamplePool& pool,
                     long long share);
 
-// Spends what is left in equal shares: `choose` says where each goes, by what was taken before.
+// Spends what is left in equal shares: `choose` says where each goes, by what was taken before. An
+// empty image: nothing decides, and the pieces with the fewest samples get them, counted.
 Result<void> spend_in_rounds(Spending& spending, const SamplePool& pool, int rounds,
                              std::string_view sampler, const SamplingContext& context,
                              const std::function<Result<CountImage>(long long share)>& choose);

@@ -154,6 +154,19 @@ TEST(EverySampler, BlackAndSparsePoolsAreSpentToo) {
   }
 }
 
+TEST(EverySampler, WhereNothingDecidesSamplesAreSpreadEvenly) {
+  const SamplePool black = test::memory_pool(12, 9, 16, [](int, int, int) { return Rgb{0, 0, 0}; });
+  for (const char* name : {"uniform", "multiscale", "adaptive_wavelet", "nl_means",
+                           "denoised_variance", "filtered_halves", "neyman"}) {
+    for (const long long budget : {12 * 9 * 4, 12 * 9 * 5 + 7}) {
+      const auto result = sampler_of(name)(black, budget, context_with_filter());
+      ASSERT_TRUE(result.has_value()) << name;
+      const auto [least, most] = std::ranges::minmax(result->selection.statistics.n.pixels());
+      EXPECT_LE(most - least, 1) << name << " " << budget;
+    }
+  }
+}
+
 TEST(EverySamplerDeterminism, ThreadsDoNotChangeABit) {
   const SamplingContext context = context_with_filter();
   const SamplePool pool = test::noisy_pool(96, 90, 12);
