@@ -19,7 +19,7 @@ constexpr double kSmallestScale = 0x1p-126;  // mean luminance; as in the analys
 constexpr double kAbsoluteFloor = 1e-2;      // of relmae and smape, after the relative scale
 constexpr double kWorstPixels = 1e-3;        // share of the pixels
 constexpr double kLargeFactor = 100.0;       // on an image that has lost its energy
-constexpr double kLeastKept = 1e-8;          // of what is dropped: less is its rounding
+constexpr double kLeastKept = 1e-6;          // of what is dropped: less is its rounding
 constexpr int kWhole = -1;                   // the image instead of a resample of its blocks
 
 bool is_finite(const RgbImage& image, std::size_t p) {
