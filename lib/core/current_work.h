@@ -8,4 +8,7 @@ class StoppableWork;
 // What this thread runs now (StoppableWork::run), or null.
 StoppableWork* current_work();
 
+// Whether that work was stopped: for what waits outside of its loops.
+bool is_stopped();
+
 }  // namespace spool

@@ -6,6 +6,7 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_group.h>
 
 #include "lib/core/current_work.h"
 
@@ -34,6 +35,10 @@ thread_local StoppableWork* t_work = nullptr;
 
 StoppableWork* current_work() {
   return t_work;
+}
+
+bool is_stopped() {
+  return oneapi::tbb::is_current_task_group_canceling();
 }
 
 struct StoppableWork::Control {

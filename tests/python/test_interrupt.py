@@ -123,6 +123,17 @@ def test_a_filter_ends_within_a_second(name):
     assert np.isfinite(spool.reconstruct(large, None, "box")).all()
 
 
+def test_a_command_that_waits_is_ended(large, tmp_path):
+    plan = {"recordings": [large], "spp": [4], "replicates": 1, "samplers": ["uniform"], "filters": ["box", "exec:sleep 60;"], "pictures": False}
+    start = time.monotonic()
+    for call in (lambda: spool.reconstruct(large, None, "exec:sleep 60;"), lambda: spool.replay(large, "exec:sleep 60;", 4),
+                 lambda: spool.evaluate(plan, output=tmp_path / "kept")):
+        interrupted(call, 0.7)
+    assert time.monotonic() - start < 30
+    line, = next((tmp_path / "kept" / "cells").iterdir()).read_text().splitlines()
+    assert '"method":"uniform + box"' in line  # the other one is missing, not failed
+
+
 def test_a_function_that_never_ends(large):
     @spool.sampler
     def endless(statistics):

@@ -85,20 +85,17 @@ template <class Value>
 Result<Answer<Value>> call(const std::string& command, const PieceStatistics& statistics,
                            const SamplePool& pool, const ExecOptions& options,
                            std::vector<std::pair<std::string, std::string>> environment,
-                           const std::function<bool()>* cancelled,
                            const std::function<Result<Value>(const std::filesystem::path&)>& read) {
   SPOOL_ASSIGN(const ExchangeFolder folder, ExchangeFolder::create());
   const std::filesystem::path input = folder / "statistics.exr", output = folder / "answer.exr";
   const StageClock writing;
   SPOOL_TRY(write_statistics(input, statistics, pool, options.told));
   double exchange = writing.elapsed().wall;
-  SPOOL_ASSIGN(const ExternalTimes times,
-               run_external({command,
-                             {input.string(), output.string()},
-                             std::move(environment),
-                             options.timeout,
-                             folder.path(),
-                             cancelled != nullptr ? *cancelled : std::function<bool()>()}));
+  SPOOL_ASSIGN(const ExternalTimes times, run_external({command,
+                                                        {input.string(), output.string()},
+                                                        std::move(environment),
+                                                        options.timeout,
+                                                        folder.path()}));
   exchange += times.start;
   std::error_code status;
   if (!std::filesystem::exists(output, status)) {
@@ -130,7 +127,7 @@ Result<ReadySampler> make_exec_sampler(const std::string& command, const OptionV
                                   {"SPOOL_LEFT", std::to_string(question.left)},
                                   {"SPOOL_SHARE", std::to_string(question.share)},
                                   {"SPOOL_SEED", std::to_string(question.seed)}},
-                                 context.cancelled, [&](const std::filesystem::path& path) {
+                                 [&](const std::filesystem::path& path) {
                                    return read_counts_exr(path, NeededSize{question.pool.width(),
                                                                            question.pool.height()});
                                  }));
@@ -154,7 +151,7 @@ Result<ReadyFilter> make_exec_filter(const std::string& command, const OptionVal
                                                 const FilterContext&) -> Result<Reconstruction> {
     const std::string name = fmt::format("exec:{}: answer", command);
     SPOOL_ASSIGN(auto answer, call<ForeignPicture>(command, selection.statistics, pool, options, {},
-                                                   nullptr, [&](const std::filesystem::path& path) {
+                                                   [&](const std::filesystem::path& path) {
                                                      return read_picture(
                                                          path, kNoLayerOption,
                                                          size_of(pool));  // no option chooses

@@ -13,6 +13,8 @@
 #include <sstream>
 #include <thread>
 
+#include "lib/core/current_work.h"
+#include "lib/core/parallel.h"
 #include "lib/core/visible_text.h"
 #include "tools/methods/watched_process.h"
 
@@ -165,7 +167,7 @@ class OpenWatch {
   int file_;
 };
 
-enum class Ending { kByItself, kTimeout, kCancelled };
+enum class Ending { kByItself, kTimeout, kStopped };
 
 Ending wait_for(Group& group, const ExternalCommand& command, const OpenWatch& watch,
                 LastWords& words, int& status, ExternalTimes& times) {
@@ -193,8 +195,8 @@ Ending wait_for(Group& group, const ExternalCommand& command, const OpenWatch& w
       ending = Ending::kTimeout;
       break;
     }
-    if (command.cancelled && command.cancelled()) {
-      ending = Ending::kCancelled;
+    if (is_stopped()) {
+      ending = Ending::kStopped;
       break;
     }
     if (printing) {
@@ -226,22 +228,21 @@ Result<ExternalTimes> run_external(const ExternalCommand& command) {
   LastWords printed(group.output);
   int status = 0;
   const Ending ending = wait_for(group, command, watch, printed, status, times);
+  if (ending == Ending::kStopped) throw WorkStopped{};
   if (ending == Ending::kTimeout) {
     return fail(ErrorCode::kData,
                 "exec:{}: no answer within {} s: mend it, or give it more time with the option "
                 "timeout",
                 command.command, command.timeout);
   }
-  if (ending == Ending::kCancelled) {
-    return fail(ErrorCode::kData, "exec:{}: cancelled", command.command);
-  }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : kSignalBase + WTERMSIG(status);
+  const bool by_signal = code > kSignalBase && code <= kSignalBase + SIGRTMAX;
   if (code == 0) return times;
   const std::string words = printed.line();
   return fail(
       ErrorCode::kData, "exec:{}: {} {}{}", command.command,
-      code > kSignalBase ? "was ended by signal" : "failed with exit code",
-      code > kSignalBase ? code - kSignalBase : code,
+      by_signal ? "was ended by signal" : "failed with exit code",
+      by_signal ? code - kSignalBase : code,
       words.empty() ? ": it printed nothing; run it by hand" : ", its last words: " + words);
 }
 
