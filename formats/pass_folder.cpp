@@ -238,7 +238,7 @@ Result<std::string> write_blocks(const PassManifest& manifest, const DumpPlan& p
   }
   SPOOL_ASSIGN(std::string remark, judge(watch, manifest, header.sample_order));
   if (not_finite > 0)
-    remark += fmt::format("{}{} values are not finite and were stored as they are",
+    remark += fmt::format("{}values that are not finite, stored as they are: {}",
                           remark.empty() ? "" : "; ", not_finite);
   return remark;
 }

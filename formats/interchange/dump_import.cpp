@@ -246,11 +246,11 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
   SPOOL_TRY(scratch.watch.judge(source, plan.sample_order, writer, report.notes));
   SPOOL_TRY(writer.finish());
   if (report.counts.non_finite > 0)
-    report.notes.push_back(fmt::format("{} values are not finite and were stored as they are",
+    report.notes.push_back(fmt::format("values that are not finite, stored as they are: {}",
                                        report.counts.non_finite));
   if (report.counts.at_half_limit > 0)
     report.notes.push_back(
-        fmt::format("{} values at the half-float limit: the renderer clamped them",
+        fmt::format("values at the half-float limit, clamped by the renderer: {}",
                     report.counts.at_half_limit));
   return report;
 }

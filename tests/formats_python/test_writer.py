@@ -290,8 +290,8 @@ def test_what_pack_remarks_is_warned_of_in_its_words(tmp_path):
     assert warned(radiance, normal=unit / 2 + 0.5) == ["normal: encoded as n / 2 + 1 / 2 (no value is below 0): store 2 v - 1"]
     assert warned(radiance, normal_geo=np.rint((unit / 2 + 0.5) * 255)) == ["normal_geo: encoded in 8 bits, 0 to 255: store 2 v / 255 - 1"]
     radiance[0, 0, 0] = np.inf, np.nan, -65504
-    assert warned(radiance, normal=np.abs(unit)) == ["2 values are not finite and were stored as they are",
-                                                     "1 values at the half-float limit: the renderer clamped them"]
+    assert warned(radiance, normal=np.abs(unit)) == ["values that are not finite, stored as they are: 2",
+                                                     "values at the half-float limit, clamped by the renderer: 1"]
     assert np.isposinf(spool.open(tmp_path / "a.spool").read("radiance")[0, 0, 0, 0])
     with warnings.catch_warnings(), pytest.raises(UserWarning):
         warnings.simplefilter("error")

@@ -224,7 +224,7 @@ def test_compression_with_loss_and_values_that_are_not_finite_are_named(tmp_path
         (tmp_path / "f" / image).with_suffix(".read.exr").unlink()
         assert code == 0 and remark in message and bool(remark) == ("loss" in message), message
     code, message, _ = samples(tmp_path, tmp_path / "f")
-    assert code == 0 and "DWA is a compression with loss" in message and "values are not finite" in message, message
+    assert code == 0 and "DWA is a compression with loss" in message and "values that are not finite" in message, message
 
 
 OTHERS = {"npz": [(b"\x89HDF\r\n\x1a\n", "an HDF5 file"), (b"\x93NUMPY\1\0", "a single .npy array"), (b"\x80\4\x95", "a Python pickle"), (b"abcd", "wrong first bytes")],

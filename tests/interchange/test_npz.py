@@ -142,7 +142,7 @@ def test_unusual_values_are_stored_counted_and_told(tmp_path):
     source, out = tmp_path / "a.npz", tmp_path / "a.spool"
     np.savez(source, radiance=samples, albedo=half, meta=meta_array())
     code, notes = run("import npz", source, out)
-    assert code == 0 and "4 values are not finite" in notes and "1 values at the half-float limit" in notes
+    assert code == 0 and "not finite, stored as they are: 4" in notes and "half-float limit, clamped by the renderer: 1" in notes
     assert spool.open(out).read("radiance").tobytes() == samples.tobytes()
 
 

@@ -92,8 +92,8 @@ def guards_html(combinations, labels, vocabulary):
             if name not in worst or count > worst[name][0]:
                 worst[name] = (count, c)
     excluded = sum(row.get("excluded_image", 0) or 0 for c in combinations for row in c.rows)
-    warning = ("" if excluded <= 0 else f'<p class="warning">{excluded:,.0f} pixels of images are not finite and were '
-               "left out of every error: those results count as failed.</p>")
+    warning = ("" if excluded <= 0 else f'<p class="warning">Pixels of images that are not finite and were left out of every error: {excluded:,.0f}. '
+               "Those results count as failed.</p>")
     rows = []
     for name, total in totals.most_common():
         count, c = worst[name]

@@ -63,9 +63,9 @@ def _note_values(path, arrays):
     floats = [values for values in arrays.values() if values.dtype.kind == "f"]
     rows = [row for values in floats for row in (values if values.ndim > 1 else values[None])]
     if count := sum(row.size - np.count_nonzero(np.isfinite(row)) for row in rows):
-        warnings.warn(f"{path}: {count} values are not finite and were stored as they are", stacklevel=3)
+        warnings.warn(f"{path}: values that are not finite, stored as they are: {count}", stacklevel=3)
     if count := sum(np.count_nonzero(np.abs(row) == 65504) for row in rows if row.dtype.itemsize == 2):
-        warnings.warn(f"{path}: {count} values at the half-float limit: the renderer clamped them", stacklevel=3)
+        warnings.warn(f"{path}: values at the half-float limit, clamped by the renderer: {count}", stacklevel=3)
 
 
 def _near_one(vectors):
