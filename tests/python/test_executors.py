@@ -142,6 +142,19 @@ def test_cells_that_fail_are_results(path, pool, layers, tmp_path):
     assert any(errors) and not all(errors)
 
 
+def test_an_input_that_was_changed_is_noticed(path, program, pool, tmp_path):
+    def evaluated(*filters):
+        return spool.evaluate(plan_of(path, samplers=["counts:" + str(tmp_path / "n.exr")], filters=[*filters], spp=[4]), output=tmp_path / "results", executor=pool)
+
+    for sampler in ("uniform", "multiscale"):
+        assert program("replay", path, "--sampler", sampler, "--spp", 4, "-o", "n.exr", "--force")[0] == 0
+        if sampler == "uniform":
+            evaluated("box")
+            evaluated("box", "gaussian")
+    with pytest.raises(spool.SpoolError, match="n.exr: has changed since"):
+        evaluated("box", "gaussian", "nl_means")
+
+
 def test_dask_with_workers_killed(path, whole, tmp_path, monkeypatch):
     monkeypatch.setattr(executors, "_SHORT", 0.0)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None,

@@ -237,18 +237,18 @@ def test_results_of_an_input_that_was_changed_are_not_kept(run, good, dump, tmp_
     for name, spp in (("a.exr", 2), ("b.exr", 4)):
         good("replay", dump, "--sampler", "uniform", "--spp", spp, "-o", f"n_{name}")
         good("reconstruct", dump, "--filter", "box", "--spp", spp, "-o", name)
-    given = tmp_path / "given"
+    given = tmp_path / "of mine"
     samplers, filters, more, files = '"uniform"', '"box"', "", ("a.exr", "b.exr")
     if kind == "command":
         (tmp_path / "a.exr").write_text("cp $1 $2")
         (tmp_path / "b.exr").write_text("sleep 0; cp $1 $2")
-        filters = '"own=exec:sh given 2> log.txt"'
+        filters = "'own=exec:sh \"of mine\" 2> log.txt'"
     if kind == "image":
-        filters = '"image:given"'
+        filters = '"image:of mine"'
     if kind == "counts":
-        samplers, files = '"counts:given"', ("n_a.exr", "n_b.exr")
+        samplers, files = '"counts:of mine"', ("n_a.exr", "n_b.exr")
     if kind == "mask":
-        more = '[[mask]]\nname = "m"\nfile = "given"\n'
+        more = '[[mask]]\nname = "m"\nfile = "of mine"\n'
     (tmp_path / "plan.toml").write_text(f'recordings = ["{dump}"]\nspp = [4]\nreplicates = 1\npictures = false\nsamplers = [{samplers}]\n'
                                         f"filters = [{filters}]\n{more}")
     for number, name in enumerate(files):
@@ -257,7 +257,14 @@ def test_results_of_an_input_that_was_changed_are_not_kept(run, good, dump, tmp_
             good("evaluate", "plan.toml", "-o", "out")
             (tmp_path / "log.txt").write_text("written again")
             good("evaluate", "plan.toml", "-o", "out")
-    run("evaluate", "plan.toml", "-o", "out").failed_with(2, "given: has changed since the results in out were made", "--force")
+    run("evaluate", "plan.toml", "-o", "out").failed_with(2, "of mine: has changed since the results in out were made", "--force")
+    good("evaluate", "plan.toml", "-o", "other")
+    run("evaluate", "plan.toml", "--merge", "-o", "merged", "--from", "out", "--from", "other").failed_with(
+        2, "of mine: was another file when the results in other were made")
+    assert not (tmp_path / "merged").exists()
+    good("evaluate", "plan.toml", "--merge", "-o", "merged", "--from", "other")
+    given.write_bytes((tmp_path / files[0]).read_bytes())
+    run("evaluate", "plan.toml", "-o", "merged").failed_with(2, "of mine: has changed")
     good("evaluate", "plan.toml", "-o", "out", "--force")
     good("evaluate", "plan.toml", "-o", "out")
 

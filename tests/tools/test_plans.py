@@ -264,7 +264,7 @@ def test_shards_in_one_folder_or_in_several_merge_to_the_same_bits(good, run, pl
     for _ in range(2):  # merging again changes nothing
         good("evaluate", plan, "--merge", "-o", "shared", "--no-pictures")
         good("evaluate", plan, "--merge", "-o", "merged", "--from", "own0", "--from", "own1",
-             "--from", "own2")
+             "--from", "own2", "--from", "merged")
         assert_same_results(tmp_path / "whole", tmp_path / "shared")
         assert_same_results(tmp_path / "whole", tmp_path / "merged", images=True)
     assert len(json.loads((tmp_path / "shared" / "manifest.json").read_text())["shards"]) == 3
@@ -357,11 +357,24 @@ def test_a_folder_refuses_what_would_be_mixed_up(good, run, plan, tmp_path):
     write_dump(tmp_path / "other.spool", samples(seed=3)[0])
     run("evaluate", plan, "-o", "out").failed_with(2, "other.spool", "not the recording", "--force")
     run("evaluate", plan, "--merge", "-o", "new", "--from", "out").failed_with(2, "other.spool")
+    assert not (tmp_path / "new").exists()
     good("evaluate", plan, "-o", "out", "--no-pictures", "--force")
     (tmp_path / "strange").mkdir()
     (tmp_path / "strange" / "thesis.tex").write_text("mine")
     run("evaluate", plan, "-o", "strange").failed_with(2, "holds no results")
     assert (tmp_path / "strange" / "thesis.tex").read_text() == "mine"
+
+
+def test_a_merge_that_cannot_be_leaves_no_folder_and_no_results_of_other_plans(good, run, plan, tmp_path):
+    run("evaluate", plan, "--merge", "-o", "new").failed_with(1, "new: no finished results")
+    (tmp_path / "empty" / "cells").mkdir(parents=True)
+    run("evaluate", plan, "--merge", "-o", "new", "--from", "empty").failed_with(1, "new: no finished results")
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    plan.write_text(PLAN.replace("[2, 4]", "[2]"))
+    run("evaluate", plan, "--merge", "-o", "new", "--from", "out").failed_with(2, "out: holds 36 results that this plan does not have")
+    assert not (tmp_path / "new").exists()
+    good("evaluate", plan, "--merge", "-o", "new", "--from", "out", "--no-pictures", "--force")
+    assert len(rows_of(tmp_path / "new")) == CELLS // 2
 
 
 def test_a_limit_below_the_sweep_is_refused(run, dump, tmp_path):

@@ -1,5 +1,8 @@
 #include "tools/batch/dump_identity.h"
 
+#include <map>
+#include <utility>
+
 #include "formats/bounded_json.h"
 #include "formats/interchange/sha256.h"
 #include "lib/image_io/atomic_file.h"
@@ -22,18 +25,6 @@ bool is_unchanged(const DumpIdentity& dump) {
 void find_sha256(DumpIdentity& dump) {
   if (!dump.sha256.empty() || !is_unchanged(dump)) return;
   if (auto found = interchange::sha256_of(dump.path)) dump.sha256 = std::move(*found);
-}
-
-Result<void> check_against(const DumpIdentity& dump, const std::vector<DumpIdentity>& known,
-                           const fs::path& folder) {
-  for (const DumpIdentity& other : known) {
-    if (other.path.filename() != dump.path.filename() || same_recording(dump, other)) continue;
-    return fail(ErrorCode::kUsage,
-                "{}: is not the recording that the results in {} were made from: choose another "
-                "folder or give --force",
-                dump.path.string(), folder.string());
-  }
-  return {};
 }
 
 }  // namespace
@@ -66,10 +57,9 @@ Result<std::vector<DumpIdentity>> known_dumps(const fs::path& folder) {
   return dumps;
 }
 
-Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps,
-                                                 const fs::path& folder) {
-  SPOOL_ASSIGN(const std::vector<DumpIdentity> known, known_dumps(folder));
+Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps) {
   std::vector<DumpIdentity> identified;
+  std::map<std::string, std::string> known;  // hash: recording
   for (const std::string& dump : dumps) {
     std::error_code status;
     DumpIdentity identity;
@@ -78,38 +68,50 @@ Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>&
     identity.bytes = fs::file_size(dump, status);
     if (status) return fail(ErrorCode::kIo, "{}: {}", dump, status.message());
     identity.modified = fs::last_write_time(dump, status).time_since_epoch().count();
-    for (const DumpIdentity& other : known) {
-      if (other.path == identity.path && other.bytes == identity.bytes &&
-          other.modified == identity.modified) {
-        identity.sha256 = other.sha256;
-      }
-    }
     SPOOL_ASSIGN(identity.index_sha256, interchange::index_sha256_of(dump));
-    SPOOL_TRY(check_against(identity, known, folder));
+    const auto [at, fresh] = known.try_emplace(identity.index_sha256, dump);
+    if (!fresh) {
+      return fail(ErrorCode::kUsage,
+                  "{} and {}: are one recording, which cannot count twice: leave one out",
+                  at->second, dump);
+    }
     identified.push_back(std::move(identity));
   }
   return identified;
 }
 
-Result<void> write_identities(const std::vector<DumpIdentity>& dumps, const fs::path& folder) {
-  ordered_json json = ordered_json::array();
+Result<void> check_same_dumps(const std::vector<DumpIdentity>& dumps, const fs::path& folder) {
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> known, known_dumps(folder));
   for (const DumpIdentity& dump : dumps) {
+    for (const DumpIdentity& other : known) {
+      if (other.path.filename() != dump.path.filename() || same_recording(dump, other)) continue;
+      return fail(ErrorCode::kUsage,
+                  "{}: is not the recording that the results in {} were made from: choose another "
+                  "folder or give --force",
+                  dump.path.string(), folder.string());
+    }
+  }
+  return {};
+}
+
+Result<void> keep_identities(std::vector<DumpIdentity> dumps, const fs::path& folder) {
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> known, known_dumps(folder));
+  ordered_json json = ordered_json::array();
+  for (DumpIdentity& dump : dumps) {
+    for (const DumpIdentity& other : known) {
+      if (other.path == dump.path && other.bytes == dump.bytes && other.modified == dump.modified)
+        dump.sha256 = other.sha256;
+    }
     json.push_back({{"path", dump.path.string()},
                     {"bytes", dump.bytes},
                     {"modified", dump.modified},
                     {"index_sha256", dump.index_sha256}});
     if (!dump.sha256.empty()) json.back()["sha256"] = dump.sha256;
   }
+  SPOOL_TRY(check_same_dumps(dumps, folder));
   return write_text_file(folder / "dumps.json",
                          json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
                          true, true);
-}
-
-Result<void> check_same_dumps(const std::vector<DumpIdentity>& dumps, const fs::path& other) {
-  SPOOL_ASSIGN(const std::vector<DumpIdentity> known, known_dumps(other));
-  for (const DumpIdentity& dump : dumps)
-    SPOOL_TRY(check_against(dump, known, other));
-  return {};
 }
 
 }  // namespace spool::tools

@@ -20,20 +20,18 @@ struct DumpIdentity {
   std::string name;           // as the plan or the command gave it; not stored
 };
 
-// Of each recording. kUsage when dumps.json names a recording of the same file name and other
-// contents: results of the two must not be mixed.
-Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps,
-                                                 const std::filesystem::path& folder);
+// Of each recording; kUsage when two are one.
+Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>& dumps);
 // Whether two recordings are one: by their indices, else by their whole files, of which one that is
 // not known is read where it lies unchanged.
 bool same_recording(DumpIdentity a, DumpIdentity b);
 // Those of `folder`; empty where there is no dumps.json, kData where it has values of other types.
 Result<std::vector<DumpIdentity>> known_dumps(const std::filesystem::path& folder);
-Result<void> write_identities(const std::vector<DumpIdentity>& dumps,
-                              const std::filesystem::path& folder);
-
-// kUsage when `other`, a folder of results, was made from other recordings than `dumps`.
+// kUsage when `folder`, of results, names a recording of the same file name and other contents:
+// results of the two must not be mixed.
 Result<void> check_same_dumps(const std::vector<DumpIdentity>& dumps,
-                              const std::filesystem::path& other);
+                              const std::filesystem::path& folder);
+// The same, and dumps.json is written.
+Result<void> keep_identities(std::vector<DumpIdentity> dumps, const std::filesystem::path& folder);
 
 }  // namespace spool::tools

@@ -26,6 +26,7 @@
 #include "tools/batch/evaluation_summary.h"
 #include "tools/batch/given_images.h"
 #include "tools/batch/input_files.h"
+#include "tools/batch/merged_folders.h"
 #include "tools/batch/results_writer.h"
 #include "tools/batch/run_folder.h"
 #include "tools/batch/run_manifest.h"
@@ -388,22 +389,20 @@ Result<Shard> parse_shard(const std::string& text) {
 Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   const auto started = std::chrono::system_clock::now();
   SPOOL_ASSIGN(NamedCells named, name_cells(request.plan));
-  SPOOL_TRY(check_dumps(request.plan));
-  for (const fs::path& from : request.merge_from)
-    if (!CellStore::is_in(from))
-      return fail(ErrorCode::kIo, "{}: has no folder cells: give one that spool evaluate -o wrote",
-                  from.string());
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, check_dumps(request.plan));
+  SPOOL_ASSIGN(const std::vector<CellStore> others,
+               check_merge(request, named, dumps, common.force));
   SPOOL_ASSIGN(CellStore store, prepare_folder(request, named, common.force));
   if (store.damaged() > 0) print_warning(store.damage());
-  SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps,
-               identify_dumps(request.plan.recordings, request.folder));
-  SPOOL_TRY(write_identities(dumps, request.folder));
+  SPOOL_TRY(keep_identities(dumps, request.folder));
   if (!request.merge && store.empty()) SPOOL_TRY(register_claims(request.folder, request.plan));
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
-  SPOOL_TRY(merge_folders(request, dumps, store));
+  SPOOL_TRY(merge_folders(request, others, store));
   SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named));
+  const bool prepares = request.only && request.only->empty();  // for all cells, made elsewhere
   if (!request.merge)
-    SPOOL_TRY(check_input_files(request.folder, request.plan, named, chosen, store));
+    SPOOL_TRY(check_input_files(request.folder, request.plan, named,
+                                prepares ? std::vector(named.size(), true) : chosen, store));
   PlanRun run(request, common, std::move(named), std::move(chosen), std::move(store));
   if (!request.merge) SPOOL_TRY(run.run());
   SPOOL_TRY(write_manifest(request, dumps, started));

@@ -45,7 +45,8 @@ Plan plan_of_inputs(Plan plan) {
 }
 
 // A folder of these inputs is gone on with; of others, or beside other files, nothing is written.
-Result<void> prepare_inputs(const fs::path& folder, const Plan& plan) {
+Result<void> prepare_inputs(const fs::path& folder, const Plan& plan,
+                            const std::vector<DumpIdentity>& dumps) {
   std::error_code status;
   const std::string text = plan_text(plan);
   if (fs::exists(folder, status) && !fs::is_empty(folder, status)) {
@@ -58,8 +59,7 @@ Result<void> prepare_inputs(const fs::path& folder, const Plan& plan) {
   }
   fs::create_directories(folder, status);
   if (status) return fail(ErrorCode::kIo, "{}: {}", folder.string(), status.message());
-  SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, identify_dumps(plan.recordings, folder));
-  SPOOL_TRY(write_identities(dumps, folder));
+  SPOOL_TRY(keep_identities(dumps, folder));
   return write_text_file(folder / "plan.toml", text, true, true);
 }
 
@@ -96,9 +96,9 @@ Result<void> export_inputs(const RunRequest& request, const CommonOptions& commo
   const Plan plan = plan_of_inputs(request.plan);
   const fs::path& folder = request.inputs;
   const std::string pattern = (folder / input_names(plan)).string();
-  SPOOL_TRY(check_dumps(plan));
+  SPOOL_ASSIGN(const std::vector<DumpIdentity> dumps, check_dumps(plan));
   SPOOL_TRY(check_image_names(plan, pattern, "--export-inputs"));
-  SPOOL_TRY(prepare_inputs(folder, plan));
+  SPOOL_TRY(prepare_inputs(folder, plan, dumps));
   RunRequest of_inputs = request;
   of_inputs.plan = plan;
   SPOOL_ASSIGN(const NamedCells named, name_cells(plan));

@@ -1,9 +1,8 @@
 #include "tools/batch/input_files.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <cstring>
 #include <map>
-#include <sstream>
 #include <string>
 
 #include "formats/bounded_json.h"
@@ -17,18 +16,29 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-// What a command writes to by `>` is none of its inputs.
+// The words of a shell's line, without its quotes. What is written to by `>` is none of its inputs.
 std::vector<std::string> words_of(const std::string& command) {
-  std::vector<std::string> words;
+  std::vector<std::string> words = {""};
+  char quote = 0;
   bool written = false;
-  std::istringstream text(command);
-  for (std::string word; text >> word;) {
-    const bool redirects = word.find('>') != std::string::npos;
-    if (!redirects && !written) {
-      std::erase_if(word, [](char c) { return c == '"' || c == '\'' || c == ';'; });
-      words.push_back(word);
+  for (std::size_t i = 0; i <= command.size(); ++i) {
+    const char c = i < command.size() ? command[i] : ' ';
+    if (c == quote) {
+      quote = 0;
+    } else if (quote == 0 && (c == '"' || c == '\'')) {
+      quote = c;
+    } else if (quote != '\'' && c == '\\' && i + 1 < command.size()) {
+      words.back() += command[++i];
+    } else if (quote != 0 || !std::strchr(" \t\n;&|()<>", c)) {
+      words.back() += c;
+    } else {
+      if (!words.back().empty()) {
+        if (written) words.pop_back();
+        written = false;
+        words.emplace_back();
+      }
+      written = written || c == '>';
     }
-    written = redirects && word.ends_with('>');
   }
   return words;
 }
@@ -68,6 +78,15 @@ std::map<std::string, std::vector<std::size_t>> input_files(const Plan& plan,
   return found;
 }
 
+ordered_json inputs_of(const fs::path& folder) {
+  ordered_json known = format::parse_json_file<ordered_json>(folder / "inputs.json");
+  return known.is_object() ? known : ordered_json::object();
+}
+
+std::string text_of(const ordered_json& inputs) {
+  return inputs.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
 // As it was when `entry` was written, by its size and time.
 bool is_unchanged(const ordered_json& entry, const ordered_json& now) {
   return entry.is_object() && entry.contains("sha256") && entry["sha256"].is_string() &&
@@ -81,8 +100,7 @@ Result<void> check_input_files(const fs::path& folder, const Plan& plan, const N
                                const std::vector<bool>& chosen, const CellStore& store) {
   const auto files = input_files(plan, named, chosen);
   if (files.empty()) return {};
-  ordered_json known = format::parse_json_file<ordered_json>(folder / "inputs.json");
-  if (!known.is_object()) known = ordered_json::object();
+  ordered_json known = inputs_of(folder);
   const auto has_result = [&](std::size_t i) {
     const auto record = store.read(named.id(i), named.cell(i));
     return record && !record->failed();
@@ -104,9 +122,25 @@ Result<void> check_input_files(const fs::path& folder, const Plan& plan, const N
     }
     entry = std::move(now);
   }
-  return write_text_file(folder / "inputs.json",
-                         known.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n",
-                         true, true);
+  return write_text_file(folder / "inputs.json", text_of(known), true, true);
+}
+
+Result<std::string> merged_inputs(const fs::path& folder, const std::vector<fs::path>& others) {
+  ordered_json known = inputs_of(folder);
+  for (const fs::path& other : others) {
+    const ordered_json more = inputs_of(other);
+    for (const auto& [path, entry] : more.items()) {
+      ordered_json& own = known[path];
+      if (own.is_null()) own = entry;
+      if (!entry.is_object() || !own.is_object() ||
+          entry.value("sha256", ordered_json()) == own.value("sha256", ordered_json()))
+        continue;
+      return fail(ErrorCode::kUsage,
+                  "{}: was another file when the results in {} were made: leave this folder out",
+                  path, other.string());
+    }
+  }
+  return known.empty() ? std::string() : text_of(known);
 }
 
 }  // namespace spool::tools

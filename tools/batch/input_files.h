@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "lib/core/error.h"
@@ -18,5 +19,10 @@ namespace spool::tools {
 Result<void> check_input_files(const std::filesystem::path& folder, const Plan& plan,
                                const NamedCells& named, const std::vector<bool>& chosen,
                                const CellStore& store);
+
+// What inputs.json of these folders say together, none: empty. kUsage where two of them are of
+// another file of one path.
+Result<std::string> merged_inputs(const std::filesystem::path& folder,
+                                  const std::vector<std::filesystem::path>& others);
 
 }  // namespace spool::tools

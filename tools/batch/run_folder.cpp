@@ -4,10 +4,8 @@
 #include <chrono>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <numeric>
 
-#include "formats/interchange/sha256.h"
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
 #include "lib/experiment/plan_reader.h"
@@ -120,7 +118,7 @@ Result<NamedCells> name_cells(const Plan& plan) {
               cell.sampler.label(), cell.filter.label(), cell.spp);
 }
 
-Result<void> check_dumps(const Plan& plan) {
+Result<std::vector<DumpIdentity>> check_dumps(const Plan& plan) {
   for (const std::string& dump : plan.recordings) {
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
     for (const double spp : plan.spp) {
@@ -137,20 +135,21 @@ Result<void> check_dumps(const Plan& plan) {
     for (const std::string& other : scene.recordings)
       SPOOL_TRY(check_alike(scene, other, plan));
   }
-  std::map<std::string, std::string> known;  // hash: recording
-  for (const std::string& recording : plan.recordings) {
-    SPOOL_ASSIGN(const std::string hash, interchange::index_sha256_of(recording));
-    const auto [at, fresh] = known.try_emplace(hash, recording);
-    if (fresh) continue;
-    return fail(ErrorCode::kUsage,
-                "{} and {}: are one recording, which cannot count twice: leave one out", at->second,
-                recording);
-  }
-  return {};
+  return identify_dumps(plan.recordings);
 }
 
 std::size_t count_others(const CellStore& store, const NamedCells& named) {
   return store.count_others([&](const std::string& id) { return named.find(id).has_value(); });
+}
+
+Result<void> refuse_others(const fs::path& folder, const CellStore& store,
+                           const NamedCells& named) {
+  const std::size_t others = count_others(store, named);
+  if (others == 0) return {};
+  return fail(ErrorCode::kUsage,
+              "{}: holds {} results that this plan does not have: choose another folder, or give "
+              "--force to start it anew",
+              folder.string(), others);
 }
 
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
@@ -170,46 +169,10 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
                 folder.string());
   }
   SPOOL_ASSIGN(CellStore store, CellStore::open(folder));
-  const std::size_t others = count_others(store, named);
-  if (others > 0 && !force) {
-    return fail(ErrorCode::kUsage,
-                "{}: holds {} results that this plan does not have: choose another folder, or give "
-                "--force to start it anew",
-                folder.string(), others);
-  }
+  if (!force) SPOOL_TRY(refuse_others(folder, store, named));
   SPOOL_TRY(CellStore::create(folder));
   sweep(folder, is_part(request) ? kAgeBesideShards : std::chrono::seconds(0));
   return store;
-}
-
-Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
-                           CellStore& store) {
-  for (const fs::path& from : request.merge_from) {
-    SPOOL_TRY(check_same_dumps(dumps, from));
-    SPOOL_ASSIGN(const CellStore other, CellStore::open(from));
-    SPOOL_TRY(store.take_from(other));
-    std::error_code status;
-    for (const auto& entry : fs::directory_iterator(from, status)) {
-      const std::string name = entry.path().filename().string();
-      if (name == "cells" || name == "dumps.json" || name == "plan.toml" ||
-          name.starts_with("results.") || name == "manifest.json" || name.ends_with(".partial")) {
-        continue;
-      }
-      if (name == "kept.jsonl")
-        return fail(ErrorCode::kUsage,
-                    "{}: results that were kept without their cells cannot be merged: leave this "
-                    "folder out",
-                    entry.path().string());
-      // Claims stay those that were written before the runs of this folder.
-      const auto existing = name == "claims.json" ? fs::copy_options::skip_existing
-                                                  : fs::copy_options::overwrite_existing;
-      fs::copy(entry.path(), request.folder / name, fs::copy_options::recursive | existing, status);
-      if (status) {
-        return fail(ErrorCode::kIo, "{}: {}", entry.path().string(), status.message());
-      }
-    }
-  }
-  return {};
 }
 
 }  // namespace spool::tools

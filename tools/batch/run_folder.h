@@ -43,20 +43,19 @@ StudySources study_sources(const CellStore& store, const Plan& plan);
 // kUsage when two cells would have one name.
 Result<NamedCells> name_cells(const Plan& plan);
 
-// kData when a recording cannot give what the plan asks of it, or is not like others of its group;
-// kUsage when it is there twice.
-Result<void> check_dumps(const Plan& plan);
+// Those of the plan. kData when a recording cannot give what the plan asks of it, or is not like
+// others of its group; kUsage when it is there twice.
+Result<std::vector<DumpIdentity>> check_dumps(const Plan& plan);
 
 // Finished cells that are none of the plan's.
 std::size_t count_others(const CellStore& store, const NamedCells& named);
 
+// kUsage when there are some: choose another folder.
+Result<void> refuse_others(const std::filesystem::path& folder, const CellStore& store,
+                           const NamedCells& named);
+
 // A folder of ours is continued, unfinished files of killed runs removed; a strange one is not
 // touched (kUsage).
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);
-
-// Copies cells and images of `request.merge_from`, which must come from the same recordings; the
-// cells into `store`, that of the request's folder.
-Result<void> merge_folders(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
-                           CellStore& store);
 
 }  // namespace spool::tools

@@ -80,7 +80,7 @@ class Environment {
       if (!replaced) texts_.emplace_back(text);
     }
     for (const auto& [key, value] : added)
-      texts_.push_back(key + "=" + value);
+      texts_.push_back(fmt::format("{}={}", key, value));
     for (std::string& text : texts_)
       pointers_.push_back(text.data());
     pointers_.push_back(nullptr);
