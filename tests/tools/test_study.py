@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -191,6 +192,30 @@ def kept_lines(results):
 def judged(folder):
     evaluate("--statistics-only", folder)
     return json.loads((folder / "statistics.json").read_text())
+
+
+def test_a_plan_that_cannot_be_run_leaves_no_results_of_the_last_run_to_be_kept(evaluated, tmp_path):
+    plan, results = tmp_path / "plan.toml", tmp_path / "results"
+    shutil.copytree(evaluated, results)
+    plan.write_text(PLAN.format(evaluated.parent / "s.spool").replace("[4]", "[4, 64]"))  # the recording has 32
+    with pytest.raises(kept.Failed, match="plan.toml stopped with exit code 1"):
+        kept.evaluate(PROGRAM, plan, results)
+    plan.write_text(PLAN.format(evaluated.parent / "s.spool"))
+    kept.evaluate(PROGRAM, plan, results)
+    assert kept.texts_of(results)["statistics.json"] == kept.texts_of(evaluated)["statistics.json"]
+
+
+@pytest.mark.parametrize("words, line", [
+    (["--full", "--recording", "tours"], "--recording tours: there are scene_s, "), (["--recording", "torus"], "--recording and --again are of full size"),
+    (["--write-only"], "quick.tar.xz: is cut or damaged"), (["E1", "--program", "/bin/false"], "spool synth stopped with exit code 1")])
+def test_what_cannot_be_done_is_one_line(words, line, tmp_path):
+    (tmp_path / "results/experiments").mkdir(parents=True)
+    whole = (RESULTS / "experiments/quick.tar.xz").read_bytes()
+    (tmp_path / "results/experiments/quick.tar.xz").write_bytes(whole[:len(whole) // 2])
+    done = subprocess.run([sys.executable, "-c", "import sys; from pathlib import Path; from tools.study import kept, plans, study\n"
+                           f"plans.make_recordings.__defaults__ = Path({str(tmp_path)!r}),\nkept.run(study.main)", "--output", tmp_path, "--results", tmp_path, *words],
+                          cwd=ROOT, capture_output=True, text=True, timeout=LONGEST_RUN)
+    assert done.returncode in (1, 2) and line in done.stderr.splitlines()[-1] and "Traceback" not in done.stderr, done.stderr
 
 
 def test_lines_that_were_kept_are_judged_as_the_cells_were(evaluated, tmp_path):

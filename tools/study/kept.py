@@ -10,6 +10,7 @@ Every verdict, interval and ratio is the program's; nothing is computed here.
 """
 import io
 import json
+import lzma
 import subprocess
 import sys
 import tarfile
@@ -27,11 +28,25 @@ DIGITS = 6
 HALVES = ("mse", "relmse", "mse_fresh", "relmse_fresh")
 
 
+class Failed(Exception):
+    """One line for who runs a script of this folder."""
+
+
+def run(main):
+    try:
+        main()
+    except Failed as reason:
+        sys.exit(f"study: {reason}")
+    except subprocess.CalledProcessError as reason:
+        sys.exit(f"study: spool {reason.cmd[1]} stopped with exit code {reason.returncode}")
+
+
 def evaluate(program, plan, folder, *more):
-    """Goes on where it stopped. Exit code 1 means cells that failed, which the results name; another ends the script."""
+    """Goes on where it stopped. Exit code 1 with results means cells that failed, which they name."""
+    (folder / "statistics.json").unlink(missing_ok=True)
     code = subprocess.run([program, "evaluate", plan, "-o", folder, "-q", *more], stdout=subprocess.DEVNULL).returncode
-    if code not in (0, 1):
-        sys.exit(f"study: {plan} stopped with exit code {code}; the same command goes on")
+    if code not in (0, 1) or not (folder / "statistics.json").exists():
+        raise Failed(f"{plan} stopped with exit code {code}; the same command goes on")
 
 
 def judge(program, folder):
@@ -124,8 +139,11 @@ def unpack(path):
     """{name: text}; empty where nothing is kept yet."""
     if not path.exists():
         return {}
-    with tarfile.open(path) as archive:
-        return {member.name: archive.extractfile(member).read().decode() for member in archive if member.isfile()}
+    try:
+        with tarfile.open(path) as archive:
+            return {member.name: archive.extractfile(member).read().decode() for member in archive if member.isfile()}
+    except (tarfile.TarError, lzma.LZMAError, EOFError, UnicodeDecodeError) as reason:
+        raise Failed(f"{path}: is cut or damaged ({reason}): git checkout it, or remove it and measure anew") from reason
 
 
 def curves_of(statistics):

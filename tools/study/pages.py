@@ -37,7 +37,7 @@ NETWORK = "n_beside_network"
 READINGS = {"a14_sampler_readings": ("multiscale:paper", "box"), "a15_filter_readings": ("multiscale:paper", "directional:paper")}
 
 
-class Changed(Exception):
+class Changed(kept.Failed):
     """A sentence whose claim has another verdict now, or is not asked any more."""
 
 
@@ -254,5 +254,6 @@ def write(docs, full):
     store.folder.mkdir(parents=True, exist_ok=True)
     for chapter in chapters_of(full):
         write_csv(store, chapter)
-    for name in ("experiments", "findings", "filters") if full else ("experiments",):
-        write_whole(docs / f"{name}.md", page(f"{name}.in", small, large))
+    made = {name: page(f"{name}.in", small, large) for name in (("experiments", "findings", "filters") if full else ("experiments",))}
+    for name, text in made.items():
+        write_whole(docs / f"{name}.md", text)

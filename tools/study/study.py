@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from tools.study import full_size, kept, pages
-from tools.study.plans import PLANS, ROOT, make_recordings, read
+from tools.study.plans import PLANS, ROOT, full_recording, make_recordings, read
 
 
 def parse():
@@ -32,6 +32,8 @@ def parse():
     parser.add_argument("--write-only", action="store_true")
     arguments = parser.parse_args()
     arguments.full = arguments.full or arguments.judge
+    if not arguments.full and (arguments.recording or arguments.again):
+        parser.error("--recording and --again are of full size: give --full too")
     arguments.results = arguments.results or ROOT / "build" / ("experiments_full" if arguments.full else "experiments")
     known = {name.lower() for c in pages.CHAPTERS for name in (c["id"], c.get("also", c["id"]))}
     unknown = [i for i in arguments.ids if i.lower() not in known]
@@ -65,6 +67,12 @@ def write_so_far(output):
 
 def run_full(arguments):
     store = full_size.Store(arguments.program, arguments.results, arguments.output / "results/experiments_full", arguments.threads)
+    known = dict.fromkeys(name for chapter in chosen(arguments, True) for plan in chapter["plans"] for name in full_size.full_recordings(plan))
+    for name in arguments.recording or ():
+        if name not in known:
+            raise kept.Failed(f"--recording {name}: there are {', '.join(known)}")
+        if full_recording(arguments.program, name, store.scratch / "pools") is None:
+            raise kept.Failed(f"--recording {name}: is not here: tools/dev.sh record {name}")
     for chapter in chosen(arguments, True):
         for plan in chapter["plans"]:
             if arguments.judge:
@@ -84,4 +92,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    kept.run(main)

@@ -174,4 +174,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    kept.run(main)
