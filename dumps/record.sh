@@ -11,7 +11,7 @@
 # Exit codes: 0 done, 1 the scene cannot be recorded or its samples fail verification, 2 wrong use, 3 Blender or the system refused, 4 damage.
 set -eu
 
-here=$(cd "$(dirname "$0")" && pwd)
+here=$(dirname "$(readlink -f "$0")")
 fail() { code=$1; shift; echo "record.sh: $*" >&2; exit "$code"; }
 usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p;}' "$0"; }
 

@@ -2,7 +2,8 @@
 # One script for everything a developer or a build machine does: tools/dev.sh VERB (see usage below).
 set -euo pipefail
 from="$PWD"
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+[[ -n "${HOME:-}" ]] || { unset HOME; export HOME=~; }  # the user's own
 cache="${XDG_CACHE_HOME:-$HOME/.cache}/spool"
 
 build_packages=(g++ cmake ninja-build pkg-config python3
@@ -149,23 +150,34 @@ lock_file() { if [[ "$1" == mitsuba ]]; then echo dumps/mitsuba/requirements.txt
 install_locked() {  # PYTHON NAMES...
   local python="$1" name
   shift
-  for name in "$@"; do "$python" -m pip install -q --require-hashes -r "$(lock_file "$name")" >&2 || return; done
+  for name in "$@"; do
+    say "what $(lock_file "$name") lists, by pip"
+    "$python" -m pip install -q --require-hashes -r "$(lock_file "$name")" >&2 || return
+  done
 }
 
 setup_venv() {  # FOLDER PYTHON-OF-THE-USER IMPORTS NAMES-OF-LOCK-FILES...
-  local folder="$cache/$1" chosen="$2" imports="$3" locked name
+  local folder="$cache/$1" chosen="$2" imports="$3" locked name lock
   shift 3
   locked="$(for name in "$@"; do cat "$(lock_file "$name")"; done | sha256sum)"
-  if [[ -n "$chosen" || "$(cat "$folder/locked" 2>/dev/null)" == "$locked" ]]; then
-    "${chosen:-$folder/bin/python}" -c "$imports" 2>/dev/null && return 0
-    [[ -z "$chosen" ]] || die "$chosen: cannot run '$imports'"
-  fi
-  say "a Python in $folder"
-  if ! { /usr/bin/python3 -m venv --clear "$folder" >&2 && install_locked "$folder/bin/python" "$@"; }; then
-    say "pip could not install $*: what needs it will be skipped"
+  if [[ -n "$chosen" ]]; then
+    "$chosen" -c "$imports" 2>/dev/null || die "$chosen: cannot run '$imports'"
     return 0
   fi
-  echo "$locked" >"$folder/locked"
+  if ! { mkdir -p "$cache" && exec {lock}>"$folder.lock"; }; then
+    say "$folder cannot be made: what needs $* will be skipped"
+    return 0
+  fi
+  flock -n "$lock" || { say "another run is at work on $folder"; flock "$lock"; }
+  if [[ "$(cat "$folder/locked" 2>/dev/null)" != "$locked" ]] || ! "$folder/bin/python" -c "$imports" 2>/dev/null; then
+    say "a Python in $folder"
+    if /usr/bin/python3 -m venv --clear "$folder" >&2 && install_locked "$folder/bin/python" "$@"; then
+      echo "$locked" >"$folder/locked"
+    else
+      say "pip could not install $*: what needs it will be skipped"
+    fi
+  fi
+  exec {lock}>&-
 }
 
 need_venv() {  # VERB FOLDER

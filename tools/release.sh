@@ -2,7 +2,7 @@
 # Makes the files of a release: source archive, Debian packages, Blender add-on, wheel, checksums. Tags nothing.
 # usage: tools/release.sh [--check] [FOLDER]    --check: only whether the tree is ready; FOLDER: default build/release-VERSION
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 die() { printf 'release.sh: %s\n' "$*" >&2; exit 1; }
 say() { printf '== %s\n' "$*" >&2; }
 

@@ -1,4 +1,5 @@
 """tools/dev.sh: what its usage names is there, what it calls is defined, and what is fetched is pinned by hash."""
+import fcntl
 import os
 import re
 import shutil
@@ -117,6 +118,29 @@ def test_a_name_of_a_file_is_meant_where_the_caller_is(tmp_path):
     for arguments, name in ([], "spool_recorder.zip"), (["a b.zip"], "a b.zip"):
         made = subprocess.run([SCRIPT, "addon", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True)
         assert made.stdout == f"{tmp_path / name}\n" and (tmp_path / name).is_file() and not (TREE / name).exists()
+
+
+def test_it_finds_its_tree_by_a_link_with_a_cdpath_and_without_a_home(tmp_path):
+    """Where it took the link's folder for the tree, `clean` removed the build there."""
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "bin/dev").symlink_to(SCRIPT)
+    bare = {name: value for name, value in os.environ.items() if name not in ("HOME", "XDG_CACHE_HOME")} | {"CDPATH": f"{tmp_path}:."}
+    for script, folder in ("bin/dev", tmp_path), ("tools/dev.sh", TREE):
+        made = subprocess.run([script, "addon", tmp_path / "made.zip"], cwd=folder, env=bare, capture_output=True, text=True, timeout=60, check=False)
+        assert (made.returncode, made.stdout, made.stderr) == (0, f"{tmp_path}/made.zip\n", "")
+
+
+def test_two_runs_do_not_make_one_python_at_once(tmp_path):
+    script, _ = copy_of_the_script(tmp_path)
+    shutil.copytree(TREE / "tools/requirements", tmp_path / "tools/requirements")
+    (tmp_path / "cache/spool").mkdir(parents=True)
+    unreachable = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), "PIP_INDEX_URL": "http://127.0.0.1:1", "PIP_RETRIES": "0"}
+    with open(tmp_path / "cache/spool/lock-venv.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        second = subprocess.Popen([script, "lock"], env=unreachable, stderr=subprocess.PIPE, text=True)
+        assert "another run is at work on" in second.stderr.readline() and not (tmp_path / "cache/spool/lock-venv").exists()
+    assert "== a Python in" in second.communicate(timeout=300)[1]
 
 
 LOCKS = [*TREE.glob("tools/requirements/*.txt"), TREE / "dumps/mitsuba/requirements.txt"]

@@ -2,7 +2,7 @@
 # Installs the packages in a fresh Debian 12, uses them as a stranger would, removes them, and looks for what is left.
 # usage: tools/package/clean_root.sh FOLDER-OF-PACKAGES   (as root; needs mmdebstrap and the network)
 set -euo pipefail
-here="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
+here="$(dirname "$(dirname "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")")")"
 packages="$(cd "${1:?a folder of .deb files}" && pwd)"
 say() { printf '== %s\n' "$*" >&2; }
 die() { printf 'clean_root.sh: %s\n' "$*" >&2; exit 1; }

@@ -3,7 +3,7 @@
 # usage: tools/report/fetch_assets.sh [--complete] [FOLDER]   --complete: fetches nothing, says by its exit code whether all is there
 #   default: $SPOOL_REPORT_ASSETS, else the user's cache
 set -euo pipefail
-here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+here="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 only_ask=""
 [[ "${1:-}" == --complete ]] && { only_ask=1; shift; }
 folder="${1:-${SPOOL_REPORT_ASSETS:-${XDG_CACHE_HOME:-$HOME/.cache}/spool/report-assets}}"
@@ -14,6 +14,7 @@ die() { printf 'fetch_assets.sh: %s\n' "$*" >&2; exit 3; }
 # By the registry's own client; npm is Debian's package of that name.
 fetch_npm() {  # PACKAGE VERSION
   command -v npm >/dev/null || die "npm is missing: apt-get install --no-install-recommends npm"
+  echo "report assets: npm pack $1@$2" >&2
   npm pack --silent "$1@$2" >/dev/null || die "$1 $2 cannot be fetched by npm"
 }
 
