@@ -1,5 +1,6 @@
 """evaluate(executor=...): the same bits on workers of others, whatever is lost on the way."""
 import concurrent.futures
+import contextlib
 import importlib.util
 import multiprocessing
 import os
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import distributed
 import pytest
@@ -211,6 +213,36 @@ def test_the_shell_names_an_executor(path, whole, shell, program, tmp_path):
     assert not any(file.exists() for file in kept)
     code, line = shell("processes:1", "-o", tmp_path / "results", "-q", "--seed", 7)
     assert code == 2 and "--force" in line  # in the program's words
+
+
+def processes_with(word):
+    """In their environment."""
+    found = []
+    for file in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):
+            if word.encode() in file.read_bytes():
+                found.append(file)
+    return found
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_no_signal_leaves_a_worker_or_a_folder(path, tmp_path, monkeypatch, number):
+    monkeypatch.setenv("SPOOL_PYTHON", sys.executable)
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    started = subprocess.Popen([PROGRAM, "evaluate", path, "--samplers", "multiscale", "--filters", "box,twin_guides", "--spp", "8", "--replicates", "400",
+                                "--executor", "processes:2", "-o", tmp_path / "results", "-q", "--no-pictures"],
+                               env={**os.environ, "TMPDIR": str(scratch)}, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + LONGEST_RUN
+    while not lines_in(tmp_path / "results"):
+        assert started.poll() is None and time.monotonic() < deadline
+        time.sleep(0.05)
+    assert len(processes_with(str(scratch))) >= 4
+    started.send_signal(number)
+    assert started.wait(timeout=LONGEST_RUN) == (-number if number == signal.SIGKILL else 128 + number)
+    while processes_with(str(scratch)) or any(scratch.iterdir()):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
 
 
 def test_dask_from_the_shell_with_a_worker_killed(path, whole, shell, tmp_path):

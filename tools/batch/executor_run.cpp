@@ -20,8 +20,9 @@ constexpr int kNoPackage = 20;
 constexpr int kWasWorker = 21;  // a process of MPI that worked for another one
 
 // Not from the current folder, which may hold files of any name; from beside the program where it
-// was built.
-constexpr std::string_view kStart = R"(import sys
+// was built. What workers of this machine leave goes with the folder of the plan.
+constexpr std::string_view kStart = R"(import os, sys
+os.environ["TMPDIR"] = os.path.dirname(sys.argv[2])
 sys.path[:1] = filter(None, sys.argv[1:2])
 try:
     from spool.on_workers import SpoolError, run
@@ -61,7 +62,8 @@ Result<bool> run_on_workers(const RunRequest& request, const std::string& execut
                        request.folder.string());
   });
   // What it prints as errors is how far it is above all.
-  const PythonRun run = run_python(std::move(words), kNoPackage, "", PythonErrors::kPrinted);
+  const PythonRun run =
+      run_python(std::move(words), kNoPackage, "", PythonErrors::kPrinted, scratch.path());
   if (run.exit_code == 0 || run.exit_code == kWasWorker) return run.exit_code == 0;
   if (run.exit_code == kPythonNotFound || run.exit_code == kNoPackage) {
     return fail(

@@ -92,57 +92,30 @@ class Environment {
   std::vector<char*> pointers_;
 };
 
-// A command at work, in a group of processes that a guard leads. The guard waits for the end of a
-// pipe that this program holds: should this program be killed, whatever the signal, the guard ends
-// the group and removes the folder.
-struct Group {
-  pid_t guard = 0, child = 0;
-  int lifeline = -1;  // the end of the pipe that is never written to
-  int output = -1;    // what the command prints
+// A command at work.
+struct Command {
+  explicit Command(const std::filesystem::path& folder) : group(folder) {}
+  WatchedGroup group;
+  pid_t child = 0;
+  int output = -1;  // what the command prints
 };
-
-constexpr const char* kGuard =
-    "trap '' TERM; read nothing; kill -TERM 0; sleep 0.1; rm -rf -- \"$1\"; kill -KILL 0";
-
-struct Pipe {
-  std::array<int, 2> ends = {-1, -1};
-  int make() { return ::pipe2(ends.data(), O_CLOEXEC) == 0 ? 0 : errno; }
-  int take(std::size_t end) { return std::exchange(ends.at(end), -1); }
-  ~Pipe() {
-    for (const int end : ends)
-      if (end >= 0) ::close(end);
-  }
-};
-
-void end_group(Group& group) {
-  ::kill(-group.guard, SIGKILL);  // and what the command left behind
-  int ignored = 0;
-  while (::waitpid(group.guard, &ignored, 0) < 0 && errno == EINTR) {
-  }
-  ::close(group.lifeline);
-  forget_watched(group.guard);
-}
 
 // An error number of the system when the command cannot be started.
-int start(const ExternalCommand& command, Group& group) {
-  Pipe lifeline, output;
-  if (const int error = lifeline.make(); error != 0) return error;
-  if (const int error = output.make(); error != 0) return error;
+int start(const ExternalCommand& command, Command& started) {
+  std::array<int, 2> output{};
+  if (::pipe2(output.data(), O_CLOEXEC) != 0) return errno;
   Environment environment(command.environment);
-  const int no_guard = spawn_watched({"/bin/sh", "-c", kGuard, "sh", command.folder.string()},
-                                     {.in = lifeline.ends[0]}, 0, nullptr, group.guard);
-  if (no_guard != 0) return no_guard;
-  group.lifeline = lifeline.take(1);
   std::vector<std::string> words = {"/bin/sh", "-c", command.command + " \"$@\"", "sh"};
   words.insert(words.end(), command.arguments.begin(), command.arguments.end());
-  const int error = spawn_watched(std::move(words), {.out = output.ends[1]}, group.guard,
-                                  environment.pointers(), group.child);
+  const int error = started.group.start(std::move(words), {.out = output[1]},
+                                        environment.pointers(), started.child);
+  ::close(output[1]);
   if (error != 0) {
-    end_group(group);
+    ::close(output[0]);
     return error;
   }
-  group.output = output.take(0);
-  ::fcntl(group.output, F_SETFL, O_NONBLOCK);
+  started.output = output[0];
+  ::fcntl(started.output, F_SETFL, O_NONBLOCK);
   return 0;
 }
 
@@ -169,7 +142,7 @@ class OpenWatch {
 
 enum class Ending { kByItself, kTimeout, kStopped };
 
-Ending wait_for(Group& group, const ExternalCommand& command, const OpenWatch& watch,
+Ending wait_for(Command& running, const ExternalCommand& command, const OpenWatch& watch,
                 LastWords& words, int& status, ExternalTimes& times) {
   using Clock = std::chrono::steady_clock;
   const auto start_time = Clock::now();
@@ -184,9 +157,9 @@ Ending wait_for(Group& group, const ExternalCommand& command, const OpenWatch& w
   bool printing = true;
   while (true) {
     info.si_pid = 0;
-    if (waitid(P_PID, static_cast<id_t>(group.child), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
+    if (waitid(P_PID, static_cast<id_t>(running.child), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
       break;
-    if (info.si_pid == group.child) break;
+    if (info.si_pid == running.child) break;
     if (!started) {
       started = watch.opened();
       times.start = elapsed();
@@ -209,8 +182,8 @@ Ending wait_for(Group& group, const ExternalCommand& command, const OpenWatch& w
   // What is in the pipe when it ends, and no more: what it left behind may go on printing.
   for (int i = 0; i < kLastReads && printing; ++i)
     printing = words.read(std::chrono::milliseconds(0));
-  end_group(group);
-  while (::waitpid(group.child, &status, 0) < 0 && errno == EINTR) {
+  running.group.end();  // and what the command left behind
+  while (::waitpid(running.child, &status, 0) < 0 && errno == EINTR) {
   }
   return ending;
 }
@@ -218,16 +191,16 @@ Ending wait_for(Group& group, const ExternalCommand& command, const OpenWatch& w
 }  // namespace
 
 Result<ExternalTimes> run_external(const ExternalCommand& command) {
-  Group group;
+  Command running(command.folder);
   ExternalTimes times;
   const OpenWatch watch(command.arguments.empty() ? std::string() : command.arguments.front());
-  if (const int error = start(command, group); error != 0) {
+  if (const int error = start(command, running); error != 0) {
     return fail(ErrorCode::kIo, "exec:{}: cannot be started: {}", command.command,
                 std::strerror(error));
   }
-  LastWords printed(group.output);
+  LastWords printed(running.output);
   int status = 0;
-  const Ending ending = wait_for(group, command, watch, printed, status, times);
+  const Ending ending = wait_for(running, command, watch, printed, status, times);
   if (ending == Ending::kStopped) throw WorkStopped{};
   if (ending == Ending::kTimeout) {
     return fail(ErrorCode::kData,

@@ -20,7 +20,7 @@ using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 std::string contents(std::FILE* file) {
   std::string text;
   std::array<char, 4096> buffer{};
-  std::rewind(file);
+  if (std::fseek(file, 0, SEEK_SET) != 0) return text;
   for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0;)
     text.append(buffer.data(), n);
   while (text.ends_with('\n'))
@@ -28,22 +28,23 @@ std::string contents(std::FILE* file) {
   return text;
 }
 
-PythonRun run_program(std::vector<std::string> words, const std::string& input,
-                      PythonErrors errors) {
+PythonRun run_program(std::vector<std::string> words, const std::string& input, PythonErrors errors,
+                      const std::filesystem::path& folder) {
   const TemporaryFile in(std::tmpfile(), std::fclose), out(std::tmpfile(), std::fclose),
       err(std::tmpfile(), std::fclose);
   PythonRun run{words.front()};
   if (!in || !out || !err) return run;
-  if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size()) return run;
-  std::rewind(in.get());
+  if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size() ||
+      std::fseek(in.get(), 0, SEEK_SET) != 0)
+    return run;
   const Streams streams{fileno(in.get()), fileno(out.get()),
                         errors == PythonErrors::kKept ? fileno(err.get()) : STDERR_FILENO};
   pid_t child = 0;
-  if (spawn_watched(std::move(words), streams, 0, nullptr, child) != 0) return run;
+  WatchedGroup group(folder);
+  if (group.start(std::move(words), streams, nullptr, child) != 0) return run;
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  forget_watched(child);
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   run.out = contents(out.get());
   run.err = contents(err.get());
@@ -61,12 +62,12 @@ std::vector<std::string> python_interpreters() {
 }  // namespace
 
 PythonRun run_python(std::vector<std::string> arguments, int lacks, const std::string& input,
-                     PythonErrors errors) {
+                     PythonErrors errors, const std::filesystem::path& folder) {
   arguments.insert(arguments.begin(), "");
   PythonRun run;
   for (const std::string& python : python_interpreters()) {
     arguments.front() = python;
-    run = run_program(arguments, input, errors);
+    run = run_program(arguments, input, errors, folder);
     if (run.exit_code != kPythonNotFound && run.exit_code != lacks) break;
   }
   return run;

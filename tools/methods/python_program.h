@@ -1,6 +1,7 @@
 // Runs a program of Python by an interpreter that has the packages it needs.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,9 @@ struct PythonRun {
 enum class PythonErrors { kKept, kPrinted };  // what it prints there: or where this program does
 
 // Runs Python with these arguments, by the first interpreter that is there and does not end with
-// the code `lacks`; else by the last one tried. `input` becomes its standard input.
+// the code `lacks`; else by the last one tried. `input` becomes its standard input. `folder` goes
+// with this program, should that be killed.
 PythonRun run_python(std::vector<std::string> arguments, int lacks, const std::string& input,
-                     PythonErrors errors);
+                     PythonErrors errors, const std::filesystem::path& folder = {});
 
 }  // namespace spool::tools

@@ -2,7 +2,9 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -72,10 +74,9 @@ class StreamActions {
   bool made_ = false;
 };
 
-}  // namespace
-
-int spawn_watched(std::vector<std::string> words, const Streams& streams, pid_t group,
-                  char** environment, pid_t& child) {
+// In the process group `group`; 0: it leads one of its own, which an interrupt ends.
+int spawn(std::vector<std::string> words, const Streams& streams, pid_t group, char** environment,
+          pid_t& child) {
   const StreamActions actions(streams);
   posix_spawnattr_t attributes;
   if (actions.get() == nullptr || posix_spawnattr_init(&attributes) != 0) return ENOMEM;
@@ -92,9 +93,38 @@ int spawn_watched(std::vector<std::string> words, const Streams& streams, pid_t 
   return status;
 }
 
-void forget_watched(pid_t leader) {
+// Leads a group, and waits for the end of a pipe that this program holds.
+constexpr const char* kGuard =
+    "trap '' TERM; read nothing; kill -TERM 0; sleep 0.1; rm -rf -- \"$1\"; kill -KILL 0";
+
+}  // namespace
+
+int WatchedGroup::start_guard() {
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return errno;
+  const int error =
+      spawn({"/bin/sh", "-c", kGuard, "sh", folder_.string()}, {.in = pipe[0]}, 0, nullptr, guard_);
+  ::close(pipe[0]);
+  lifeline_ = pipe[1];
+  if (error != 0) ::close(lifeline_);
+  return error;
+}
+
+int WatchedGroup::start(std::vector<std::string> words, const Streams& streams, char** environment,
+                        pid_t& child) {
+  if (const int error = guard_ == 0 ? start_guard() : 0; error != 0) return error;
+  return spawn(std::move(words), streams, guard_, environment, child);
+}
+
+void WatchedGroup::end() {
+  if (guard_ == 0) return;
+  ::kill(-guard_, SIGKILL);
+  int ignored = 0;
+  while (::waitpid(guard_, &ignored, 0) < 0 && errno == EINTR) {
+  }
+  ::close(lifeline_);
   const std::scoped_lock lock(running().mutex);
-  running().groups.erase(leader);
+  running().groups.erase(std::exchange(guard_, 0));
 }
 
 Result<ExchangeFolder> ExchangeFolder::create() {

@@ -18,13 +18,30 @@ struct Streams {
   int in = -1, out = -1, error = -1;
 };
 
-// Starts a program, `words[0]` (of the path, where it has no slash), in the process group `group`;
-// 0: it leads one of its own, which an interrupt ends until forget_watched(). Signals are as a
-// shell would have them. `environment`: null: that of this program. An error number of the system
-// when it cannot be started.
-int spawn_watched(std::vector<std::string> words, const Streams& streams, pid_t group,
-                  char** environment, pid_t& child);
-void forget_watched(pid_t leader);  // when it has ended
+// A group of processes that ends with this object, with an interrupt, and should this program be
+// killed, whatever the signal: then `folder` goes, too.
+class WatchedGroup {
+ public:
+  explicit WatchedGroup(std::filesystem::path folder = {}) : folder_(std::move(folder)) {}
+  WatchedGroup(const WatchedGroup&) = delete;
+  WatchedGroup& operator=(const WatchedGroup&) = delete;
+  ~WatchedGroup() { end(); }
+
+  // Starts a program, `words[0]` (of the path, where it has no slash). Signals are as a shell would
+  // have them. `environment`: null: that of this program. An error number of the system when it
+  // cannot be started.
+  int start(std::vector<std::string> words, const Streams& streams, char** environment,
+            pid_t& child);
+  // Kills what is left of it. Who started a program waits for it.
+  void end();
+
+ private:
+  int start_guard();
+
+  std::filesystem::path folder_;
+  pid_t guard_ = 0;
+  int lifeline_ = -1;  // the end of a pipe that is never written to
+};
 
 // A temporary folder that goes when this goes, or when the program is interrupted.
 class ExchangeFolder {
