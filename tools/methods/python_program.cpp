@@ -20,9 +20,9 @@ using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 std::string contents(std::FILE* file) {
   std::string text;
   std::array<char, 4096> buffer{};
-  if (std::fseek(file, 0, SEEK_SET) != 0) return text;
-  for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0;)
-    text.append(buffer.data(), n);
+  for (ssize_t n = 0; (n = ::pread(fileno(file), buffer.data(), buffer.size(),
+                                   static_cast<off_t>(text.size()))) > 0;)
+    text.append(buffer.data(), static_cast<std::size_t>(n));
   while (text.ends_with('\n'))
     text.pop_back();
   return text;
