@@ -69,6 +69,12 @@ def test_a_folded_reference_makes_the_same_recording_and_leaves_nothing_else(tmp
     assert references[0] == references[1] and references[0]["samples_per_batch"] == 2 and len(references[0]["seeds"]) == 64
 
 
+def test_it_finds_the_recorder_by_a_link(tmp_path):
+    (tmp_path / "record").symlink_to(ROOT / "dumps/record.sh")
+    done = subprocess.run([tmp_path / "record", "chess", "--size", "20x12", "--dry-run"], cwd=tmp_path, capture_output=True, text=True, timeout=280)
+    assert done.returncode == 0 and "20x12" in done.stdout + done.stderr, done.stderr
+
+
 def test_a_missing_blender_is_one_line(tmp_path):
     done = subprocess.run([ROOT / "dumps" / "record.sh", "chess", "-o", tmp_path / "dump.spool"], capture_output=True,
                           text=True, env={**os.environ, "SPOOL": SPOOL, "BLENDER": "no-such-blender"})
