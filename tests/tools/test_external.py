@@ -160,6 +160,7 @@ def test_wants_beyond_the_pool_go_to_the_others_and_are_counted(good, script, du
     (answer("{'n': np.full((20, 24), -1.0)}"), ("-1", "pixel 0, 0")),
     (answer("{'n': np.where(np.eye(20, 24, 5) > 0, .5, 1)}"), ("0.5", "pixel 5, 0")),
     (answer("{'n': np.full((20, 24), np.nan)}"), ("nan", "pixel 0, 0")),
+    (answer("{'n': np.full((20, 24), 65537, 'u4')}"), ("65537", "from 0 to 65536")),
     ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", ("signal 11",)),
     ("import sys; sys.exit(-1)", ("exit code 255",)),
 ])

@@ -28,8 +28,8 @@ Result<CountImage> counts_of(const NamedPlane& channel, const std::string& name)
       if (!(value >= 0.0 && value <= kLargestCount) || value != std::floor(value)) {
         return fail(ErrorCode::kData,
                     "{}: channel {} holds {}, which is no number of samples (pixel {}, {}): counts "
-                    "are whole numbers from 0",
-                    name, channel.name, value, x, y);
+                    "are whole numbers from 0 to {}",
+                    name, channel.name, value, x, y, kLargestCount);
       }
       n(x, y) = static_cast<std::int32_t>(value);
     }
