@@ -205,6 +205,13 @@ def test_a_plan_that_cannot_be_run_leaves_no_results_of_the_last_run_to_be_kept(
     assert kept.texts_of(results)["statistics.json"] == kept.texts_of(evaluated)["statistics.json"]
 
 
+def test_a_plan_that_is_none_is_named(tmp_path):
+    (tmp_path / "wrong.toml").write_text("spp = [4\nx")
+    for name, words in ("wrong", "wrong.toml: .*line 2"), ("none", "none.toml: No such file"):
+        with pytest.raises(kept.Failed, match=words):
+            plans.read(tmp_path / f"{name}.toml")
+
+
 @pytest.mark.parametrize("words, line", [
     (["--full", "--recording", "tours"], "--recording tours: there are scene_s, "), (["--recording", "torus"], "--recording and --again are of full size"),
     (["--write-only"], "quick.tar.xz: is cut or damaged"), (["E1", "--program", "/bin/false"], "spool synth stopped with exit code 1")])

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import tomllib
 
+from tools.study.kept import Failed
+
 ROOT = Path(__file__).resolve().parents[2]
 PLANS = ROOT / "tools/plans"
 NAMED = tomllib.loads((Path(__file__).parent / "recordings.toml").read_text(encoding="utf-8"))
@@ -19,7 +21,10 @@ RECORDINGS = Path(os.environ.get("SPOOL_RECORDINGS") or CACHE / "recordings")
 
 
 def read(path):
-    return tomllib.loads(path.read_text(encoding="utf-8"))
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as reason:
+        raise Failed(f"{path}: {getattr(reason, 'strerror', None) or reason}") from reason
 
 
 def merged(plan, more):
