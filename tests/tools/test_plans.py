@@ -377,6 +377,16 @@ def test_a_merge_that_cannot_be_leaves_no_folder_and_no_results_of_other_plans(g
     assert len(rows_of(tmp_path / "new")) == CELLS // 2
 
 
+def test_a_merge_that_stops_among_the_images_takes_no_cells(good, run, plan, tmp_path):
+    good("evaluate", plan, "-o", "out")
+    os.mkfifo(tmp_path / "out" / "a pipe")
+    run("evaluate", plan, "--merge", "-o", "new", "--from", "out").failed_with(3, "out/a pipe")
+    assert not cell_lines(tmp_path / "new")
+    (tmp_path / "out" / "a pipe").unlink()
+    good("evaluate", plan, "--merge", "-o", "new", "--from", "out")
+    assert_same_results(tmp_path / "out", tmp_path / "new", images=True)
+
+
 def test_a_limit_below_the_sweep_is_refused(run, dump, tmp_path):
     (tmp_path / "sweep.toml").write_text(f'recordings = ["{dump}"]\nspp = [4]\nthreads = [1, 2]\n[[sampler]]\nname = "uniform"\n'
                                          '[[filter]]\nname = "box"\n')

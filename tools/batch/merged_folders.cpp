@@ -26,7 +26,13 @@ Result<std::vector<CellStore>> check_merge(const RunRequest& request, const Name
                   (from / "kept.jsonl").string());
     SPOOL_TRY(check_same_dumps(dumps, from));
     SPOOL_ASSIGN(CellStore other, CellStore::open(from));
-    if (!force) SPOOL_TRY(refuse_others(from, other, named));
+    const std::size_t strange = count_others(other, named);
+    if (strange > 0 && !force)
+      return fail(
+          ErrorCode::kUsage,
+          "{}: holds {} results that this plan does not have: leave this folder out, or give "
+          "--force to take them too",
+          from.string(), strange);
     empty = empty && other.empty();
     others.push_back(std::move(other));
   }
@@ -45,7 +51,6 @@ Result<void> merge_folders(const RunRequest& request, const std::vector<CellStor
     const fs::path& from = request.merge_from[i];
     std::error_code status;
     if (fs::equivalent(from, request.folder, status)) continue;
-    SPOOL_TRY(store.take_from(others[i]));
     for (const auto& entry : fs::directory_iterator(from, status)) {
       const std::string name = entry.path().filename().string();
       if (name == "cells" || name == "dumps.json" || name == "inputs.json" || name == "plan.toml" ||
@@ -61,6 +66,7 @@ Result<void> merge_folders(const RunRequest& request, const std::vector<CellStor
         return fail(ErrorCode::kIo, "{}: {}", entry.path().string(), status.message());
       }
     }
+    SPOOL_TRY(store.take_from(others[i]));  // with its images a cell is done
   }
   return {};
 }

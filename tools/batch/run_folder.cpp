@@ -142,16 +142,6 @@ std::size_t count_others(const CellStore& store, const NamedCells& named) {
   return store.count_others([&](const std::string& id) { return named.find(id).has_value(); });
 }
 
-Result<void> refuse_others(const fs::path& folder, const CellStore& store,
-                           const NamedCells& named) {
-  const std::size_t others = count_others(store, named);
-  if (others == 0) return {};
-  return fail(ErrorCode::kUsage,
-              "{}: holds {} results that this plan does not have: choose another folder, or give "
-              "--force to start it anew",
-              folder.string(), others);
-}
-
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force) {
   const fs::path& folder = request.folder;
   std::error_code status;
@@ -169,7 +159,13 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
                 folder.string());
   }
   SPOOL_ASSIGN(CellStore store, CellStore::open(folder));
-  if (!force) SPOOL_TRY(refuse_others(folder, store, named));
+  const std::size_t others = count_others(store, named);
+  if (others > 0 && !force) {
+    return fail(ErrorCode::kUsage,
+                "{}: holds {} results that this plan does not have: choose another folder, or give "
+                "--force to start it anew",
+                folder.string(), others);
+  }
   SPOOL_TRY(CellStore::create(folder));
   sweep(folder, is_part(request) ? kAgeBesideShards : std::chrono::seconds(0));
   return store;

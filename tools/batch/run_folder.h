@@ -50,10 +50,6 @@ Result<std::vector<DumpIdentity>> check_dumps(const Plan& plan);
 // Finished cells that are none of the plan's.
 std::size_t count_others(const CellStore& store, const NamedCells& named);
 
-// kUsage when there are some: choose another folder.
-Result<void> refuse_others(const std::filesystem::path& folder, const CellStore& store,
-                           const NamedCells& named);
-
 // A folder of ours is continued, unfinished files of killed runs removed; a strange one is not
 // touched (kUsage).
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);
