@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/ranges.h>
+
 #include "lib/core/nearest_name.h"
 #include "lib/experiment/result_record.h"
 
@@ -44,7 +46,9 @@ Result<void> set_claim(const TomlReader& toml, Claim& claim, std::string_view ke
   } else if (key == "metric") {
     const std::vector<std::string> known = claimed_metrics();
     if (std::ranges::find(known, text) == known.end())
-      return toml.refuse(value, "{}", unknown_name("metric", text, known));
+      return toml.refuse(value, "{}",
+                         unknown_name("metric of a claim", text, known,
+                                      fmt::format(": one of {}", fmt::join(known, ", "))));
     claim.metric = text;
   } else if (key == "samples") {
     if (text != "own" && text != "fresh")
