@@ -95,10 +95,10 @@ def show(pools, folder, scenes):
 
 def table(pools):
     """As Markdown: the command that makes each recording, and what is pinned of it."""
-    lines = ["| recording | pixels | samples | reference | CPU | size | samples and reference, sha256 | claims |", "|---" * 8 + "|"]
+    lines = ["| recording | pixels | samples | reference | CPU, min:s | size | samples and reference, sha256 | claims |", "|---" * 8 + "|"]
     for pool in pools.values():
         pin = pool.get("pinned", {})
-        found = (duration(pin["cpu_seconds"]), size_text(pin["bytes"]), "`%s`" % pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4
+        found = ("%d:%02d" % divmod(pin["cpu_seconds"], 60), size_text(pin["bytes"]), "`%s`" % pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4
         lines.append("| `%s` | %dx%d | %s | %d | %s | %s | %s | %s |" % (pool["name"], *pool["size"], samples_of(pool), pool["reference"], *found))
     print("\n".join(lines))
 
