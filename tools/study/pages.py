@@ -193,6 +193,19 @@ def needed(store, plan, methods, budgets):
     return tables.markdown(["recording", *methods], [[name, *(row.get(m, "–") for m in methods)] for name, row in rows.items()])
 
 
+def two_sizes(store, plan):
+    """Scene by method and budget: relMSE over that of the plan's baseline, of the smaller picture and of the larger one."""
+    ratios = {}
+    for claim in store.claims(plan):
+        if claim["metric"] == "relmse":
+            for p in claim["places"]:
+                scene = p["dump"].removesuffix("_512").removesuffix("_256")
+                column = f"{short_name(claim['better']).partition(' + ')[2]}, {p['spp']:g}"
+                ratios.setdefault(scene, {}).setdefault(column, []).append(tables.number(p["ratio"][0], 3))
+    columns = sorted({column for of in ratios.values() for column in of})
+    return tables.markdown(["", *columns], [[scene, *("→".join(of.get(c, "–")) for c in columns)] for scene, of in ratios.items()])
+
+
 def chapters_of(full):
     return [c for c in CHAPTERS if (c["plans"][0] not in FULL["left_out"] if full else not c.get("full"))]
 
@@ -233,6 +246,7 @@ def page(template, small, full):
                        ("readings", lambda: readings((full, small), READINGS)), ("rivals", lambda: rivals(small, full)),
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("beside_network", lambda: beside_network(full, NETWORK)),
+                       ("two_sizes", lambda: two_sizes(full, "n2_size")),
                        ("needed", lambda: needed(full, NETWORK, ("`uniform` + `ensemble`", "`cross_halves` + `ensemble`"), (8, 16, 32))),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
