@@ -31,6 +31,7 @@ REACHED = {
     "own method": ("@spool.filter\ndef scale(s): return s.mean * FACTOR\nscales = [scale]", "scales[0](s)"),
     "pickled by name": ("class Scale:\n    def __init__(self, f): self.f = f\n    def __reduce__(self): return 'scale'\n"
                         "scale = Scale(FACTOR)\nscales = [scale]", "s.mean * scales[0].f"),
+    "constants": ("values = [..., NotImplemented, len, FACTOR]", "s.mean * len(values)"),
     "texts": ("names = {'albedo', 'normal', 'depth', str(FACTOR)}", "s.mean * len(names)"),
     "sets of sets": ("names = [frozenset({frozenset({'a', 'b', str(FACTOR)}), frozenset({'c', 'd'})})]", "s.mean * len(names)"),
     "constant of a lambda": ("scale = lambda m: m * FACTOR if 'a' in {'a', 'b', 'c', 'd'} else m", "scale(s.mean)"),
@@ -71,6 +72,13 @@ def key_of_program(folder, factor, modules, beside, answer):
 def test_what_a_function_reaches_in_other_files_counts_too(name, tmp_path):
     first, again, other = (key_of_program(tmp_path / f"{i}", factor, *ELSEWHERE[name]) for i, factor in enumerate((2, 2, 3)))
     assert first == again and first != other
+
+
+def test_a_program_and_a_worker_that_imports_it_have_the_same_key(tmp_path):
+    first = key_of_program(tmp_path / "program", 2, {}, "@spool.filter\ndef scale(s): return s.mean", "scale(s)")
+    worker = subprocess.run([sys.executable, "-c", "import main"], capture_output=True, text=True, timeout=60,
+                            env={**os.environ, "PYTHONPATH": os.pathsep.join([*sys.path, str(tmp_path / "program")])})
+    assert worker.stdout == first, worker.stderr
 
 
 def test_what_a_package_has_counts_by_name(tmp_path):

@@ -151,9 +151,13 @@ class _Description(pickle.Pickler):
             return NotImplemented
         try:
             reduced = value.__reduce_ex__(_PROTOCOL)
-            if isinstance(reduced, str) and not _is_installed(value.__module__):  # by name: what it holds may change
-                return str, (type(value).__qualname__, vars(value))
-            return reduced
+            if (not isinstance(reduced, str) or isinstance(value, types.BuiltinFunctionType)
+                    or _is_installed(getattr(value, "__module__", None))):
+                return reduced
+            part = hashlib.sha256(type(value).__qualname__.encode())  # by name: what it holds may change, but for the name
+            if not _is_known(value, part, self._known):
+                _add({**vars(value), "__module__": None}, part, self._known, self._module)
+            return str, (part.digest(),)
         except Exception:  # noqa: BLE001 - whatever it raises
             return str, (type(value).__qualname__, b"" if isinstance(value, _LOCKS) else _HERE + b"%d" % id(value))
 
