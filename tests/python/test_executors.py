@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 from pathlib import Path
 
 import distributed
@@ -78,6 +79,14 @@ def test_own_functions_are_found_by_name(path, pool, monkeypatch):
     monkeypatch.setitem(globals(), "OFFSET", 0.5)
     with pytest.raises(spool.SpoolError, match="shifted> is another function in a worker"):
         spool.evaluate(plan, executor=pool)
+
+
+def test_a_function_that_no_worker_can_import_is_named(path, pool, monkeypatch):
+    """As one of a notebook is."""
+    monkeypatch.setitem(sys.modules, "notebook", types.ModuleType("notebook"))
+    exec("import spool\n@spool.filter\ndef mine(statistics): return statistics.mean", vars(sys.modules["notebook"]))
+    with pytest.raises(spool.SpoolError, match="python:mine@.*: a worker cannot import it .*notebook.*: put it into a module"):
+        spool.evaluate(plan_of(path, filters=[sys.modules["notebook"].mine]), executor=pool)
 
 
 def test_pictures_are_those_of_one_process(path, pool, tmp_path):

@@ -179,17 +179,17 @@ def _uuid_of(held):
 
 
 def _own_methods(executor, plan):
-    """(Method, its name in the plan), for workers, which import its module."""
+    """(a Method as workers find it, its name in the plan)."""
     if not isinstance(executor, concurrent.futures.Executor):
         raise wrong("executor", executor, "no concurrent.futures.Executor")
-    methods = [method for method in _functions_of(plan) if isinstance(method, Method)]
-    for method in methods:
+    own = []
+    for method in (method for method in _functions_of(plan) if isinstance(method, Method)):
         try:
-            pickle.dumps(method)
+            own.append((pickle.dumps(method), method_text(method.kind, method)))
         except (pickle.PicklingError, AttributeError):
             raise SpoolError("usage", f"executor: {method!r} is not found by its name in its module, from which workers import it: "
                                       "decorate it at the top of a module, or leave executor out") from None
-    return [(method, method_text(method.kind, method)) for method in methods]
+    return own
 
 
 def _functions_of(plan):

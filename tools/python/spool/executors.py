@@ -5,6 +5,7 @@ import collections
 import concurrent.futures
 import contextlib
 import os
+import pickle
 import secrets
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -12,7 +13,7 @@ from typing import NamedTuple
 
 from . import _core
 from .error import SpoolError
-from .own_methods import Method, method_text
+from .own_methods import method_text
 
 _SHORT = 2.0        # expected CPU seconds: shorter runs of one recording make one task
 _UNDER_WAY = 1000   # tasks that wait in the executor; the others wait here
@@ -25,7 +26,7 @@ class Plan(NamedTuple):
     name: str     # in errors
     beside: str   # the folder that paths of the text are relative to
     exact_timing: bool
-    own: Sequence[tuple[Method, str]] = ()  # functions with their names in the text
+    own: Sequence[tuple[bytes, str]] = ()  # functions, pickled, with their names in the text
 
 
 def spread(executor: concurrent.futures.Executor, plan: Plan, place: str, force: bool,
@@ -99,8 +100,13 @@ def _do(plan: Plan, identity: bytes, ids: list[str], threads: int) -> dict[str, 
 
     `identity`: dumps.json of that folder; a worker that finds other recordings refuses them.
     """
-    for method, name in plan.own:
-        if method_text(method.kind, method) != name:
+    for pickled, name in plan.own:
+        try:
+            method = pickle.loads(pickled)
+            found = method_text(method.kind, method)
+        except Exception as reason:  # noqa: BLE001 - whatever its module raises
+            raise SpoolError("usage", f"{name}: a worker cannot import it ({reason}): put it into a module that workers find, too") from None
+        if found != name:
             raise SpoolError("usage", f"{method!r} is another function in a worker: its module there has another text or other values")
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
         place = os.path.join(scratch, "results")
