@@ -375,6 +375,10 @@ def test_a_merge_that_cannot_be_leaves_no_folder_and_no_results_of_other_plans(g
     assert not (tmp_path / "new").exists()
     good("evaluate", plan, "--merge", "-o", "new", "--from", "out", "--no-pictures", "--force")
     assert len(rows_of(tmp_path / "new")) == CELLS // 2
+    run("evaluate", plan, "--merge", "-o", "new/in/it", "--from", "new").failed_with(2, "new/in/it: lies in new")
+    assert not (tmp_path / "new" / "in").exists()
+    good("evaluate", plan, "-o", "new/part", "--no-pictures")
+    good("evaluate", plan, "--merge", "-o", "new", "--from", "new/part", "--no-pictures", "--force")
 
 
 def test_a_merge_that_stops_among_the_images_takes_no_cells(good, run, plan, tmp_path):

@@ -24,6 +24,12 @@ Result<std::vector<CellStore>> check_merge(const RunRequest& request, const Name
                   "{}: results that were kept without their cells cannot be merged: leave this "
                   "folder out",
                   (from / "kept.jsonl").string());
+    const fs::path inside = fs::weakly_canonical(request.folder, status)
+                                .lexically_relative(fs::weakly_canonical(from, status));
+    if (!inside.empty() && inside != "." && *inside.begin() != "..")
+      return fail(ErrorCode::kUsage,
+                  "{}: lies in {}, of which it would hold a copy: choose a folder beside it",
+                  request.folder.string(), from.string());
     SPOOL_TRY(check_same_dumps(dumps, from));
     SPOOL_ASSIGN(CellStore other, CellStore::open(from));
     const std::size_t strange = count_others(other, named);
