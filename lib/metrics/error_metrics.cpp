@@ -409,7 +409,8 @@ class Evaluation {
         });
         if (metric.rule == Rule::kDropped) return quotient(dropped, count);
         double kept = sum(kRelative, resample) - dropped;
-        if (std::abs(kept) < kLeastKept * dropped) kept = sum_behind(errors, to_drop, resample);
+        if (!(std::abs(kept) >= kLeastKept * dropped))  // or a square too large for a number
+          kept = sum_behind(errors, to_drop, resample);
         return quotient(kept, count - to_drop);
       }
       case Rule::kQuantile:
@@ -438,7 +439,7 @@ class Evaluation {
     errors.walk([&](const LargestFirst::Entry& entry) {
       const double copies = copies_of(entry.pixel, resample), dropped = std::min(drop, copies);
       drop -= dropped;
-      sum += (copies - dropped) * entry.value;
+      if (copies > dropped) sum += (copies - dropped) * entry.value;
       return true;
     });
     return sum;
