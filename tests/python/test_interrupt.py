@@ -124,12 +124,30 @@ def test_a_filter_ends_within_a_second(name):
 
 
 def test_a_command_that_waits_is_ended(large, tmp_path):
-    plan = {"recordings": [large], "spp": [4], "replicates": 1, "samplers": ["uniform"], "filters": ["box", "exec:sleep 60;"], "pictures": False}
-    start = time.monotonic()
-    for call in (lambda: spool.reconstruct(large, None, "exec:sleep 60;"), lambda: spool.replay(large, "exec:sleep 60;", 4),
+    waiting, ended, begin = tmp_path / "waiting", threading.Event(), []
+    command = f"exec:touch {waiting}; sleep 60;"
+    plan = {"recordings": [large], "spp": [4], "replicates": 1, "samplers": ["uniform"], "filters": ["box", command], "pictures": False}
+
+    def interrupt():
+        while not waiting.exists():
+            if ended.wait(0.02):
+                return
+        begin.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    for call in (lambda: spool.reconstruct(large, None, command), lambda: spool.replay(large, command, 4),
                  lambda: spool.evaluate(plan, output=tmp_path / "kept")):
-        interrupted(call, 0.7)
-    assert time.monotonic() - start < 30
+        waiting.unlink(missing_ok=True)
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        try:
+            with pytest.raises(KeyboardInterrupt):
+                call()
+            assert time.monotonic() - begin[-1] < 30
+        finally:
+            ended.set()
+            thread.join()
+            ended.clear()
     line, = next((tmp_path / "kept" / "cells").iterdir()).read_text().splitlines()
     assert '"method":"uniform + box"' in line  # the other one is missing, not failed
 
