@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import PROGRAM, write_dump
+from conftest import LONGEST_RUN, PROGRAM, write_dump
 from spool import exr
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "own_methods.md"
@@ -233,6 +233,21 @@ def test_no_signal_leaves_a_command_or_a_folder(dump, tmp_path, number):
     process.send_signal(number)
     assert process.wait(20) == (-number if number == signal.SIGKILL else 128 + number)
     wait_until(lambda: not processes_with(f"sleep {word}") and not list((tmp_path / "tmp").iterdir()))
+
+
+def test_a_command_has_no_files_but_its_streams(dump, tmp_path):
+    """A pipe whose end another process waits for would not end while the command is there; a process of MPI is handed files on purpose."""
+    (tmp_path / "python").write_text("#!/bin/sh\nls /proc/self/fd > files_of_python\n")
+    (tmp_path / "python").chmod(0o755)
+    ends = os.pipe()
+    for words in (["replay", dump, "--sampler", "exec:ls /proc/self/fd > files_of_command; false", "--spp", "6", "-o", "s.exr"],
+                  ["evaluate", dump, "--samplers", "uniform", "--filters", "box", "--spp", "6", "--executor", "mpi", "-o", "results"]):
+        subprocess.run([PROGRAM, *words], cwd=tmp_path, pass_fds=ends, capture_output=True, timeout=LONGEST_RUN, check=False,
+                       env={**os.environ, "SPOOL_PYTHON": str(tmp_path / "python")})
+    for end in ends:
+        os.close(end)
+    files = {name: (tmp_path / f"files_of_{name}").read_text().split() for name in ("command", "python")}
+    assert "2" in files["command"] and str(ends[1]) not in files["command"] and str(ends[1]) in files["python"]
 
 
 def test_without_a_terminal_on_purpose_its_end_is_no_reason_to_stop(dump, tmp_path):

@@ -23,6 +23,7 @@ constexpr int kWasWorker = 21;  // a process of MPI that worked for another one
 // was built. What workers of this machine leave goes with the folder of the plan.
 constexpr std::string_view kStart = R"(import os, sys
 os.environ["TMPDIR"] = os.path.dirname(sys.argv[2])
+os.environ["PYTHONWARNINGS"] = "ignore::UserWarning:multiprocessing.resource_tracker"
 sys.path[:1] = filter(None, sys.argv[1:2])
 try:
     from spool.on_workers import SpoolError, run

@@ -38,7 +38,7 @@ PythonRun run_program(std::vector<std::string> words, const std::string& input, 
       std::fseek(in.get(), 0, SEEK_SET) != 0)
     return run;
   const Streams streams{fileno(in.get()), fileno(out.get()),
-                        errors == PythonErrors::kKept ? fileno(err.get()) : STDERR_FILENO};
+                        errors == PythonErrors::kKept ? fileno(err.get()) : STDERR_FILENO, true};
   pid_t child = 0;
   WatchedGroup group(folder);
   if (group.start(std::move(words), streams, nullptr, child) != 0) return run;

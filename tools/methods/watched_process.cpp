@@ -6,11 +6,13 @@
 #include <unistd.h>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <set>
+#include <thread>
 
 extern char** environ;
 
@@ -52,6 +54,7 @@ class StreamActions {
     lead(streams.in, STDIN_FILENO, O_RDONLY);
     lead(streams.out, STDOUT_FILENO, O_WRONLY);
     lead(streams.error >= 0 ? streams.error : STDOUT_FILENO, STDERR_FILENO, O_WRONLY);
+    if (!streams.others) ::posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
   }
   StreamActions(const StreamActions&) = delete;
   StreamActions& operator=(const StreamActions&) = delete;
@@ -118,12 +121,12 @@ int WatchedGroup::start(std::vector<std::string> words, const Streams& streams, 
 
 void WatchedGroup::end() {
   if (guard_ == 0) return;
+  const std::scoped_lock lock(running().mutex);  // an interrupt ends it in its own way
   ::kill(-guard_, SIGKILL);
   int ignored = 0;
   while (::waitpid(guard_, &ignored, 0) < 0 && errno == EINTR) {
   }
   ::close(lifeline_);
-  const std::scoped_lock lock(running().mutex);
   running().groups.erase(std::exchange(guard_, 0));
 }
 
@@ -156,10 +159,19 @@ void end_external_work() {
   // command and leave with another exit code first.
   running().mutex.lock();
   for (const pid_t group : running().groups)
+    ::kill(-group, SIGTERM);
+  // As the guards do: Python's own guard removes the semaphores of a pool when all else has ended.
+  if (!running().groups.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  for (const pid_t group : running().groups)
     ::kill(-group, SIGKILL);
   std::error_code ignored;
-  for (const std::string& folder : running().folders)
-    std::filesystem::remove_all(folder, ignored);
+  // Where a worker's guard removes a folder inside at the same time, a removal stops early.
+  for (const std::string& folder : running().folders) {
+    for (int i = 0; i < 100 && std::filesystem::exists(folder, ignored); ++i) {
+      std::filesystem::remove_all(folder, ignored);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
 }
 
 }  // namespace spool::tools

@@ -16,6 +16,7 @@ namespace spool::tools {
 // `out`.
 struct Streams {
   int in = -1, out = -1, error = -1;
+  bool others = false;  // what else this program was handed: a process of MPI needs it
 };
 
 // A group of processes that ends with this object, with an interrupt, and should this program be
