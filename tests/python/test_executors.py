@@ -166,6 +166,17 @@ def test_an_input_that_was_changed_is_noticed(path, program, pool, tmp_path):
         evaluated("box", "gaussian", "nl_means")
 
 
+def test_an_input_that_is_another_for_a_worker_is_noticed(path, program, tmp_path):
+    class Elsewhere(concurrent.futures.ThreadPoolExecutor):
+        def submit(self, *call):
+            assert program("replay", path, "--sampler", "multiscale", "--spp", 4, "-o", "n.exr", "--force")[0] == 0
+            return super().submit(*call)
+
+    assert program("replay", path, "--sampler", "uniform", "--spp", 4, "-o", "n.exr")[0] == 0
+    with Elsewhere(1) as executor, pytest.raises(spool.SpoolError, match="n.exr: is another file for a worker"):
+        spool.evaluate(plan_of(path, samplers=["counts:" + str(tmp_path / "n.exr")], spp=[4]), executor=executor)
+
+
 def test_dask_with_workers_killed(path, whole, tmp_path, monkeypatch):
     monkeypatch.setattr(executors, "_SHORT", 0.0)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None,

@@ -232,6 +232,15 @@ def test_two_plans_at_once_are_not_one_folder(run, good, dump, tmp_path):
     assert len(list((tmp_path / "out" / "cells").glob("*.jsonl"))) == 2 and not (tmp_path / "out" / "results.csv").exists()
 
 
+def test_a_shard_notices_a_changed_input_of_the_results_of_another(run, good, dump, tmp_path):
+    (tmp_path / "plan.toml").write_text(f'recordings = ["{dump}"]\nspp = [4]\nreplicates = 8\nsamplers = ["counts:n.exr"]\nfilters = ["box"]\n')
+    for shard, spp in enumerate((4, 2)):
+        good("replay", dump, "--sampler", "uniform", "--spp", spp, "-o", "n.exr", "--force")
+        if shard == 0:
+            good("evaluate", "plan.toml", "-o", "out", "--shard", "0/2")
+    run("evaluate", "plan.toml", "-o", "out", "--shard", "1/2").failed_with(2, "n.exr: has changed since the results in out were made")
+
+
 @pytest.mark.parametrize("kind", ["command", "image", "counts", "mask"])
 def test_results_of_an_input_that_was_changed_are_not_kept(run, good, dump, tmp_path, kind):
     for name, spp in (("a.exr", 2), ("b.exr", 4)):

@@ -402,7 +402,8 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   const bool prepares = request.only && request.only->empty();  // for all cells, made elsewhere
   if (!request.merge)
     SPOOL_TRY(check_input_files(request.folder, request.plan, named,
-                                prepares ? std::vector(named.size(), true) : chosen, store));
+                                prepares ? std::vector(named.size(), true) : chosen,
+                                request.only && !prepares ? nullptr : &store));
   PlanRun run(request, common, std::move(named), std::move(chosen), std::move(store));
   if (!request.merge) SPOOL_TRY(run.run());
   SPOOL_TRY(write_manifest(request, dumps, started));

@@ -54,7 +54,7 @@ std::vector<std::string> files_of(const MethodChoice& method, const Cell& cell) 
   return {};
 }
 
-// {path: cells}
+// {path: cells}, of what a chosen cell depends on: the others' results count, too.
 std::map<std::string, std::vector<std::size_t>> input_files(const Plan& plan,
                                                             const NamedCells& named,
                                                             const std::vector<bool>& chosen) {
@@ -63,7 +63,6 @@ std::map<std::string, std::vector<std::size_t>> input_files(const Plan& plan,
       std::ranges::none_of(plan.filters, may_have_files))
     return found;  // a plan may have millions of cells
   for (std::size_t i = 0; i < named.size(); ++i) {
-    if (!chosen[i]) continue;
     const Cell cell = named.cell(i);
     std::vector<std::string> names = files_of(cell.sampler, cell);
     for (std::string& name : files_of(cell.filter, cell))
@@ -74,7 +73,10 @@ std::map<std::string, std::vector<std::size_t>> input_files(const Plan& plan,
       found[name].push_back(i);
   }
   std::error_code status;
-  std::erase_if(found, [&](const auto& file) { return !fs::is_regular_file(file.first, status); });
+  std::erase_if(found, [&](const auto& file) {
+    return std::ranges::none_of(file.second, [&](std::size_t i) { return chosen[i]; }) ||
+           !fs::is_regular_file(file.first, status);
+  });
   return found;
 }
 
@@ -97,12 +99,12 @@ bool is_unchanged(const ordered_json& entry, const ordered_json& now) {
 }  // namespace
 
 Result<void> check_input_files(const fs::path& folder, const Plan& plan, const NamedCells& named,
-                               const std::vector<bool>& chosen, const CellStore& store) {
+                               const std::vector<bool>& chosen, const CellStore* store) {
   const auto files = input_files(plan, named, chosen);
   if (files.empty()) return {};
   ordered_json known = inputs_of(folder);
   const auto has_result = [&](std::size_t i) {
-    const auto record = store.read(named.id(i), named.cell(i));
+    const auto record = store->read(named.id(i), named.cell(i));
     return record && !record->failed();
   };
   for (const auto& [name, cells] : files) {
@@ -114,6 +116,11 @@ Result<void> check_input_files(const fs::path& folder, const Plan& plan, const N
     if (is_unchanged(entry, now)) continue;
     SPOOL_ASSIGN(now["sha256"], interchange::sha256_of(path));
     const bool changed = entry.is_object() && entry.value("sha256", now["sha256"]) != now["sha256"];
+    if (changed && store == nullptr) {
+      return fail(ErrorCode::kUsage,
+                  "{}: is another file for a worker than where the run began: give each the same",
+                  path);
+    }
     if (changed && std::ranges::any_of(cells, has_result)) {
       return fail(ErrorCode::kUsage,
                   "{}: has changed since the results in {} were made: choose another folder or "

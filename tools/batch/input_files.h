@@ -15,10 +15,10 @@
 namespace spool::tools {
 
 // Writes inputs.json of the files that the chosen cells depend on. kUsage where one has changed
-// since `store` was given a result of it that did not fail.
+// since `store` was given a result of it that did not fail; null: since inputs.json was written.
 Result<void> check_input_files(const std::filesystem::path& folder, const Plan& plan,
                                const NamedCells& named, const std::vector<bool>& chosen,
-                               const CellStore& store);
+                               const CellStore* store);
 
 // What inputs.json of these folders say together, none: empty. kUsage where two of them are of
 // another file of one path.

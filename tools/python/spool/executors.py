@@ -39,7 +39,7 @@ def spread(executor: concurrent.futures.Executor, plan: Plan, place: str, force:
     tasks, done, threads = _core.tasks(*plan[:3], place)
     left = collections.deque(_together(tasks))
     of, lost = done + sum(len(ids) for _, ids in left), []
-    identity = _read(os.path.join(place, "dumps.json"))
+    identity = {name: _read(os.path.join(place, name)) for name in ("dumps.json", "inputs.json") if name in os.listdir(place)}
     lines = os.path.join(place, "cells", f"{secrets.token_hex(8)}.jsonl")
     running: dict[concurrent.futures.Future, int] = {}
     try:
@@ -95,10 +95,10 @@ def _together(tasks) -> Iterator[tuple[float, list[str]]]:
     return iter(sorted(bundles, key=lambda bundle: -bundle[0]))
 
 
-def _do(plan: Plan, identity: bytes, ids: list[str], threads: int) -> dict[str, bytes]:
+def _do(plan: Plan, identity: dict[str, bytes], ids: list[str], threads: int) -> dict[str, bytes]:
     """In a worker: the files of these cells, by their paths in the folder of results.
 
-    `identity`: dumps.json of that folder; a worker that finds other recordings refuses them.
+    `identity`: dumps.json and inputs.json of that folder; a worker that finds other recordings or files raises.
     """
     for pickled, name in plan.own:
         try:
@@ -111,8 +111,9 @@ def _do(plan: Plan, identity: bytes, ids: list[str], threads: int) -> dict[str, 
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
         place = os.path.join(scratch, "results")
         os.makedirs(os.path.join(place, "cells"))
-        with open(os.path.join(place, "dumps.json"), "wb") as file:
-            file.write(identity)
+        for name, data in identity.items():
+            with open(os.path.join(place, name), "wb") as file:
+                file.write(data)
         try:
             _run(plan, place, only=ids, threads=threads)
         except SpoolError:
