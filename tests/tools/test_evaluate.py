@@ -1,13 +1,17 @@
 """`spool evaluate`: its table, its numbers against numpy, its pictures, its errors."""
+import fcntl
 import json
 import math
+import os
+import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from spool import exr
 
-from conftest import read_exr, samples, write_dump
+from conftest import LONGEST_RUN, PROGRAM, read_exr, samples, write_dump
 from results_comparison import assert_same_results, cell_lines, rows_of
 
 
@@ -230,6 +234,28 @@ def test_two_plans_at_once_are_not_one_folder(run, good, dump, tmp_path):
     run("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "--filters", f"own=exec:sh {own}", "-o", "out").failed_with(
         2, "another plan was run in it meanwhile")
     assert len(list((tmp_path / "out" / "cells").glob("*.jsonl"))) == 2 and not (tmp_path / "out" / "results.csv").exists()
+
+
+def test_shards_that_start_at_once_keep_each_others_input_files(good, dump, tmp_path):
+    good("replay", dump, "--sampler", "uniform", "--spp", 4, "-o", "n.exr")
+    (tmp_path / "plan.toml").write_text(f'recordings = ["{dump}"]\nspp = [4]\nreplicates = 2\nsamplers = ["counts:n.exr"]\nfilters = ["box"]\n')
+    for attempt in range(20):
+        out = tmp_path / f"out_{attempt}"
+        (out / "cells").mkdir(parents=True)
+        lock = os.open(out / "cells", os.O_RDONLY)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        begin = time.monotonic()
+        shard = subprocess.Popen([PROGRAM, "evaluate", "plan.toml", "-o", out, "--shard", "0/2"], cwd=tmp_path, stdout=subprocess.DEVNULL)
+        while not (out / "plan.toml").exists():  # the last that it writes before
+            assert shard.poll() is None
+            time.sleep(0.01)
+        (out / "inputs.json").write_text('{"/of/another": {}}')
+        os.close(lock)
+        held = time.monotonic() - begin
+        assert shard.wait(LONGEST_RUN) == 0
+        if held < 0.9:  # it waits for a second
+            break
+    assert set(json.loads((out / "inputs.json").read_text())) == {"/of/another", str(tmp_path / "n.exr")}
 
 
 def test_a_shard_notices_a_changed_input_of_the_results_of_another(run, good, dump, tmp_path):

@@ -7,6 +7,7 @@
 
 #include "formats/bounded_json.h"
 #include "formats/interchange/sha256.h"
+#include "formats/target_watch.h"
 #include "lib/image_io/atomic_file.h"
 #include "tools/methods/replicate_images.h"
 
@@ -102,6 +103,7 @@ Result<void> check_input_files(const fs::path& folder, const Plan& plan, const N
                                const std::vector<bool>& chosen, const CellStore* store) {
   const auto files = input_files(plan, named, chosen);
   if (files.empty()) return {};
+  const format::FolderLock shards_beside(folder / "cells");
   ordered_json known = inputs_of(folder);
   const auto has_result = [&](std::size_t i) {
     const auto record = store->read(named.id(i), named.cell(i));
