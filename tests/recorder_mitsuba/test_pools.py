@@ -62,7 +62,7 @@ def test_the_listing_says_what_the_table_says(place):
     text = SMALL.replace('name = "one"', f'name = "{"long_" * 4}one"\nrecordings = 4\n{pinned}')
     (place / "pools.toml").write_text(text)
     listed, table = pools(place).stdout, pools(place, "--table").stdout
-    assert "4 of 6 samples" in listed and "| 4 of 6 |" in table and "7 min 54 s" in listed and "7 min 54 s" in table
+    assert "4 of 6 samples" in listed and "| 4 of 6 |" in table and "7 min 54 s" in listed and "| 7:54 |" in table
     assert len({line.index(" samples, ") for line in listed.splitlines() if " samples, " in line}) == 1
 
 
