@@ -15,10 +15,25 @@ std::string settings_of(const OptionValues& set) {
 }
 
 std::string in_full(const MethodChoice& choice) {
-  std::string text = choice.name;
-  if (!choice.preset.empty()) text += ":" + choice.preset;
-  const std::string set = settings_of(choice.set);
-  return set.empty() ? text : text + "{" + set.substr(1) + "}";
+  std::string set = settings_of(choice.set);
+  if (!set.empty()) set = "{" + set.substr(1) + "}";
+  const std::string preset = choice.preset.empty() ? "" : ":" + choice.preset;
+  return choice.name + (choice.has_argument ? set + preset : preset + set);
+}
+
+// Of "a=1,b=2".
+Result<OptionValues> parse_settings(std::string_view method, std::string_view inside) {
+  OptionValues set;
+  while (!inside.empty()) {
+    const std::string_view part = inside.substr(0, inside.find(','));
+    inside.remove_prefix(std::min(inside.size(), part.size() + 1));
+    if (part.empty()) continue;
+    const std::size_t equals = part.find('=');
+    if (equals == std::string_view::npos || equals == 0)
+      return fail(ErrorCode::kUsage, "{}: '{}' is no OPTION=VALUE", method, part);
+    set.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+  }
+  return set;
 }
 
 bool fits_label(char c) {
@@ -116,26 +131,19 @@ Result<MethodChoice> parse_method(std::string_view text,
   }
   choice.name = rest.substr(0, rest.find_first_of(":{"));
   rest.remove_prefix(choice.name.size());
-  if (std::ranges::find(takes_argument, choice.name) != takes_argument.end()) {
-    if (rest.starts_with(':')) choice.preset = rest.substr(1);
-    return choice;
+  choice.has_argument = std::ranges::find(takes_argument, choice.name) != takes_argument.end();
+  if (choice.has_argument) {
+    const std::size_t end = rest.starts_with('{') ? rest.find("}:") : std::string_view::npos;
+    const std::size_t colon = end < rest.size() ? end + 1 : rest.starts_with(':') ? 0 : rest.size();
+    choice.preset = rest.substr(std::min(colon + 1, rest.size()));
+    rest = rest.substr(0, colon);
   }
   if (const std::size_t brace = rest.find('{'); brace != std::string_view::npos) {
     if (!rest.ends_with('}')) {
-      return fail(ErrorCode::kUsage, "{}: the brace is not closed: write {}{{OPTION=VALUE}}", text,
-                  choice.name);
+      return fail(ErrorCode::kUsage, "{}: the brace is not closed: write {}{{OPTION=VALUE}}{}",
+                  text, choice.name, choice.has_argument ? ":..." : "");
     }
-    std::string_view inside = rest.substr(brace + 1, rest.size() - brace - 2);
-    while (!inside.empty()) {
-      const std::string_view part = inside.substr(0, inside.find(','));
-      inside.remove_prefix(std::min(inside.size(), part.size() + 1));
-      if (part.empty()) continue;
-      const std::size_t equals = part.find('=');
-      if (equals == std::string_view::npos || equals == 0) {
-        return fail(ErrorCode::kUsage, "{}: '{}' is no OPTION=VALUE", text, part);
-      }
-      choice.set.emplace_back(part.substr(0, equals), part.substr(equals + 1));
-    }
+    SPOOL_ASSIGN(choice.set, parse_settings(text, rest.substr(brace + 1, rest.size() - brace - 2)));
     rest = rest.substr(0, brace);
   }
   if (!rest.empty()) choice.preset = rest.substr(1);

@@ -1,7 +1,7 @@
 // How methods are written: on a command line, in a plan, and in every table.
 //
 //   NAME   NAME:PRESET   NAME{a=1,b=2}   NAME:PRESET{a=1,b=2}   LABEL=any of these
-//   NAME:ARGUMENT   of methods that take an argument, whatever it holds
+//   NAME:ARGUMENT   NAME{a=1,b=2}:ARGUMENT   of methods that take an argument, whatever it holds
 #pragma once
 
 #include <string>
@@ -19,8 +19,9 @@ struct MethodChoice {
   std::string preset;          // empty: the method's default; or the argument of methods with one
   OptionValues set;            // on top of the preset, in order
   std::string own_label = {};  // "ours"; empty: what is chosen, in full
+  bool has_argument = false;   // its kind of method; its options are written before the argument
 
-  // The name in every table: the own label, else "NAME:PRESET{a=1,b=2}".
+  // The name in every table: the own label, else as above.
   std::string label() const;
   // Its name as it is written on a command line, the own label too.
   std::string text() const;

@@ -39,8 +39,11 @@ TEST(MethodText, EveryWayOfWritingAMethodIsRead) {
       {"m:p{a=1,b=x=y}", {"m", "p", {{"a", "1"}, {"b", "x=y"}}}},
       {"ours=m:p{a=1}", {"m", "p", {{"a", "1"}}, "ours"}},
       {"ours=m{a=1}", {"m", "", {{"a", "1"}}, "ours"}},
-      {"exec:run {a=1},b", {"exec", "run {a=1},b", {}}},
-      {"mine.2=exec:a=1 run", {"exec", "a=1 run", {}, "mine.2"}},
+      {"exec:run {a=1},b", {"exec", "run {a=1},b", {}, "", true}},
+      {"mine.2=exec:a=1 run", {"exec", "a=1 run", {}, "mine.2", true}},
+      {"exec{a=1,b=2}:run x}:{c=3}", {"exec", "run x}:{c=3}", {{"a", "1"}, {"b", "2"}}, "", true}},
+      {"exec", {"exec", "", {}, "", true}},
+      {"exec{a=1}", {"exec", "", {{"a", "1"}}, "", true}},
   };
   for (const auto& [text, expected] : cases) {
     const auto choice = parse_method(text, {"exec"});
@@ -49,7 +52,8 @@ TEST(MethodText, EveryWayOfWritingAMethodIsRead) {
     EXPECT_EQ(choice->text(), text);
     EXPECT_EQ(choice->label(), expected.own_label.empty() ? text : expected.own_label);
   }
-  for (const char* text : {"m{a=1", "m{a}", "m{=1}", "=m", "a b=m", "-=m"}) {
+  for (const char* text :
+       {"m{a=1", "m{a}", "m{=1}", "=m", "a b=m", "-=m", "exec{a=1", "exec{a}:run"}) {
     const auto choice = parse_method(text, {"exec"});
     ASSERT_FALSE(choice.has_value()) << text;
     EXPECT_EQ(choice.error().code, ErrorCode::kUsage) << text;

@@ -332,12 +332,12 @@ def test_an_ensemble_is_the_mean_of_its_parts(good, run, dump, tmp_path):
     assert np.allclose(image(f"ensemble:{'+'.join(parts)}"), np.mean([image(p) for p in parts], axis=0), rtol=1e-5)
     # By halves: between the parts, nearer to the better one; with 2 samples the mean, which is said.
     halves = ("--set", "ensemble.weights=halves")
-    good("evaluate", dump, "--filters", "box,gaussian{sigma=2},ensemble:box+gaussian{sigma=2}", *halves, "--spp", 8, "-o", "out", "--no-pictures")
+    good("evaluate", dump, "--filters", "box,gaussian{sigma=2},ensemble{weights=halves}:box+gaussian{sigma=2}", "--spp", 8, "-o", "out", "--no-pictures")
     with open(tmp_path / "out" / "results.csv", newline="") as file:
         errors = {}
         for row in csv.DictReader(file):
             errors.setdefault(row["filter"], []).append(float(row["mse"]))
-    box, blurred, both = (np.mean(errors[name]) for name in ("box", "gaussian{sigma=2}", "ensemble:box+gaussian{sigma=2}{weights=halves}"))
+    box, blurred, both = (np.mean(errors[name]) for name in ("box", "gaussian{sigma=2}", "ensemble{weights=halves}:box+gaussian{sigma=2}"))
     assert min(box, blurred) * 0.5 < both < 0.5 * (box + blurred)
     few = good("reconstruct", dump, "--spp", 2, "--filter", "ensemble:box+nl_means", *halves, "-o", "few.exr", "--json").json
     assert "needs 4 samples" in few["notes"][0]
