@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -64,6 +65,26 @@ Option<Options> integer_option(std::string name, int Options::* member, int lowe
             return {};
           },
           [=](const Options& options) { return std::to_string(options.*member); }};
+}
+
+// An option that is a whole number or a word that stands for "decide yourself".
+template <class Options>
+Option<Options> integer_or_word_option(std::string name, std::optional<int> Options::* member,
+                                       std::string word, int lowest, int highest,
+                                       std::string help) {
+  return {name, fmt::format("{}|{} .. {}", word, lowest, highest), std::move(help),
+          [=](Options& options, std::string_view text) -> Result<void> {
+            if (text == word) {
+              (options.*member).reset();
+              return {};
+            }
+            SPOOL_ASSIGN(const int value, parse_integer(name, text, lowest, highest));
+            options.*member = value;
+            return {};
+          },
+          [=](const Options& options) {
+            return options.*member ? std::to_string(*(options.*member)) : word;
+          }};
 }
 
 template <class Options, class Enum>

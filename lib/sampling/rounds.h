@@ -43,26 +43,6 @@ Result<void> spend_in_rounds(Spending& spending, const SamplePool& pool, int rou
                              std::string_view sampler, const SamplingContext& context,
                              const std::function<Result<CountImage>(long long share)>& choose);
 
-// An option that is a whole number or a word that stands for "decide yourself".
-template <class Options>
-Option<Options> integer_or_word_option(std::string name, std::optional<int> Options::* member,
-                                       std::string word, int lowest, int highest,
-                                       std::string help) {
-  return {name, fmt::format("{}|{} .. {}", word, lowest, highest), std::move(help),
-          [=](Options& options, std::string_view text) -> Result<void> {
-            if (text == word) {
-              (options.*member).reset();
-              return {};
-            }
-            SPOOL_ASSIGN(const int value, parse_integer(name, text, lowest, highest));
-            options.*member = value;
-            return {};
-          },
-          [=](const Options& options) {
-            return options.*member ? std::to_string(*(options.*member)) : word;
-          }};
-}
-
 template <class Options>
 Option<Options> init_spp_option(std::optional<int> Options::* member) {
   return integer_or_word_option<Options>(

@@ -102,9 +102,10 @@ TEST(TwinGuidesDifferential, GuidesAndWeights) {
     const std::vector<reference::GuideLevel> levels = reference::guide_levels(
         reference::guide_sources(m, clean, clean_variance), 4, in.scale, options);
     const GuideSources sources = guide_sources(moments, f);
-    GuidePyramid pyramid(guide_levels(sources, in.scale, options), in.scale, options);
+    GuidePyramid pyramid(guide_levels(sources, in.n, in.scale, options), in.scale, options);
     for (std::size_t k = 0; k < 3; ++k) {
-      const reference::Guides twin = reference::guides(levels, k, in.scale, options);
+      const reference::Guides twin =
+          reference::guides(levels, k, in.scale, reference::noise_of_means(options, in.n));
       guides_agree(pyramid, twin);
       for (int lattice = 0; lattice < pyramid.step() * pyramid.step(); lattice += 3)
         weights_agree(lattice_of(width, height, pyramid.step(), lattice), pyramid, twin, f,
@@ -151,6 +152,26 @@ TEST(TwinGuidesDifferential, TheWholeFilter) {
   TwinGuidesOptions wide;
   wide.guide_sigma = 2.0, wide.stretch = 3.0;
   whole_agrees(make_pool(24, 9, 8, noisy_picture(24, 9, 11)), 2, wide);
+}
+
+TEST(TwinGuidesDifferential, ALargePictureHasFourScales) {
+  TwinGuidesOptions options;
+  options.radius = 1;
+  for (const int side : {362, 363}) {
+    const auto pool = make_pool(side + 1, side, 2, noisy_picture(side + 1, side, 13));
+    EXPECT_EQ(scale_count(options, side, side + 1), side == 363 ? 4 : 3);
+    EXPECT_EQ(scale_count(options, side + 1, side), side == 363 ? 4 : 3);
+    const Selection selection = testing::select_uniform(pool, 2);
+    const auto image = [&](std::optional<int> scales) {
+      options.scales = scales;
+      const auto result = reconstruct_twin_guides(selection, pool, options, {});
+      const auto pixels = result->image[1].pixels();
+      return std::vector<double>(pixels.begin(), pixels.end());
+    };
+    const auto chosen = image({});
+    EXPECT_EQ(chosen == image(3), side == 362);
+    EXPECT_EQ(chosen == image(4), side == 363);
+  }
 }
 
 TEST(TwinGuidesDifferential, TheWholeFilterOnDarkAlbedo) {

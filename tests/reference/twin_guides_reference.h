@@ -328,20 +328,33 @@ inline std::vector<GuideLevel> guide_levels(const GuideLevel& sources, int count
   return levels;
 }
 
-// Of the scale whose levels are k and k + 1.
+// With small_noise of a mean in place of a sample.
+inline TwinGuidesOptions noise_of_means(TwinGuidesOptions options, const CountImage& n) {
+  double samples = 0.0;
+  for (const int count : n.pixels())
+    samples += count;
+  options.small_noise /= std::sqrt(samples / static_cast<double>(n.size()));
+  return options;
+}
+
+// Of the scale whose levels are k and k + 1; options: noise_of_means.
 inline Guides guides(const std::vector<GuideLevel>& levels, std::size_t k,
                      const RadianceScale& scale, const TwinGuidesOptions& options) {
   Guides out;
   for (const GuideLevel& level : {levels[k], levels[k + 1]}) {
-    const double left =
-        options.slack / std::max(1.0, 2.0 * std::numbers::pi * level.sigma * level.sigma);
+    const double left = 1.0 / std::max(1.0, 2.0 * std::numbers::pi * level.sigma * level.sigma);
+    const auto with_slack = [&](double v) {
+      const double small = options.small_noise * options.small_noise;
+      return v < small ? options.small_slack * v
+                       : options.small_slack * small + options.slack * (v - small);
+    };
     for (std::size_t c = 0; c < 3; ++c) {
       Plane p = level.mean[c], pv = level.variance[c], tv = level.variance[c + 3];
       for (std::size_t i = 0; i < p.size(); ++i) {
         const double b = std::max(p[i], 0.0) + 0.05 * scale.mean;
         p[i] = std::log(b);
-        pv[i] *= left / (b * b);
-        tv[i] *= left;
+        pv[i] = with_slack(pv[i] * left / (b * b));
+        tv[i] = with_slack(tv[i] * left);
       }
       out.value.insert(out.value.end(), {p, level.mean[c + 3]});
       out.variance.insert(out.variance.end(), {pv, tv});
@@ -663,7 +676,8 @@ inline Planes return_agreed_light(Planes out, Planes taken, double sigma, double
 // The image of pieces. `limit`: of the samples' luminance (sample_clamp_reference.h); `scale` says
 // the units, which divide out.
 inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane limit,
-                            const RadianceScale& scale, const TwinGuidesOptions& options) {
+                            const RadianceScale& scale, const TwinGuidesOptions& chosen) {
+  const TwinGuidesOptions options = noise_of_means(chosen, n);
   const Plane heavy = open_limits(pool, n, scale.unit, options, limit);
   const NoisePool noise_pool{options.noise_pool, heavy};
   Moments m = moments(pool, n, limit, noise_pool, scale);
@@ -697,11 +711,14 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
     clean = cleaned.mean;
     clean_variance = cleaned.variance;
   }
-  const std::vector<GuideLevel> levels = guide_levels(
-      guide_sources(m, clean, clean_variance), std::max(5, options.scales + 1), scale, options);
+  // A window of four scales reaches 48 pieces, a tenth of 512: nearer to 512 than to 256.
+  const double octaves = std::log2(std::min(n.width(), n.height()) / 256.0);
+  const int count = options.scales.value_or(octaves > 0.5 ? 4 : 3);
+  const std::vector<GuideLevel> levels =
+      guide_levels(guide_sources(m, clean, clean_variance), std::max(5, count + 1), scale, options);
   std::vector<ScaleResult> scales;
   Inputs in = finest_inputs(m, raw);
-  for (int k = 0, step = 1; k < options.scales; ++k, step *= 2) {
+  for (int k = 0, step = 1; k < count; ++k, step *= 2) {
     const Guides g = guides(levels, static_cast<std::size_t>(k), scale, options);
     scales.push_back(fit_scale(in, step, options.ridge * std::pow(0.25, k), n, heavy, g, clean,
                                clean_variance, options));
@@ -713,7 +730,7 @@ inline RgbImage twin_guides(const SamplePool& pool, const CountImage& n, Plane l
   Planes blended = blend_scales(scales, scale.mean, slack, noise_pool, [&](const Plane& plane) {
     return guided_mean(plane, levels, clean, clean_variance, scale, options);
   });
-  if (!noise_pool.unused() && options.scales > 1)
+  if (!noise_pool.unused() && count > 1)
     join_lattices(blended, heavy, guides(levels, 0, scale, options), clean, clean_variance,
                   options);
   blended = return_agreed_light(blended, m.clamped_light, options.agreement, scale.mean);

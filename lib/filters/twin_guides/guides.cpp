@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "lib/core/parallel.h"
@@ -33,9 +34,10 @@ GuideSources blurred(const GuideSources& sources, double sigma, int dilation = 1
 
 // One level of one kind.
 struct Level {
-  double sigma, slack;
+  double sigma;
+  GuideSlack slack;
   float noise_left() const {
-    return static_cast<float>(slack / std::max(1.0, 2.0 * std::numbers::pi * sigma * sigma));
+    return static_cast<float>(1.0 / std::max(1.0, 2.0 * std::numbers::pi * sigma * sigma));
   }
 };
 
@@ -43,13 +45,14 @@ void guide_of_pilot(const Level& level, float floor, int width, float* value, fl
   for (int x = 0; x < width; ++x) {
     const float b = std::max(value[x], 0.0f) + floor;
     value[x] = std::log(b);
-    variance[x] = std::min(level.noise_left() * variance[x] / (b * b), kLargestVariance);
+    variance[x] =
+        std::min(level.slack(level.noise_left() * variance[x] / (b * b)), kLargestVariance);
   }
 }
 
 void guide_of_logarithms(const Level& level, int width, float* variance) {
   for (int x = 0; x < width; ++x)
-    variance[x] = std::min(level.noise_left() * variance[x], kLargestVariance);
+    variance[x] = std::min(level.slack(level.noise_left() * variance[x]), kLargestVariance);
 }
 
 }  // namespace
@@ -76,21 +79,23 @@ GuideSources guide_sources(SampleMoments& moments, const FeatureImages& features
   return sources;
 }
 
-GuideLevels guide_levels(const GuideSources& sources, const RadianceScale& scale,
-                         const TwinGuidesOptions& options) {
+GuideLevels guide_levels(const GuideSources& sources, const CountImage& n,
+                         const RadianceScale& scale, const TwinGuidesOptions& options) {
   const double sigma = options.guide_sigma;
+  const long long samples = std::accumulate(n.pixels().begin(), n.pixels().end(), 0LL);
+  const double small = options.small_noise * options.small_noise * static_cast<double>(n.size()) /
+                       static_cast<double>(samples);
   return {std::make_shared<const GuideSources>(blurred(sources, sigma)),
           std::make_shared<const GuideSources>(
               options.stretch > 0.0 ? blur_along(sources, 2.0 * sigma, options.stretch, scale.mean)
-                                    : blurred(sources, 2.0 * sigma))};
+                                    : blurred(sources, 2.0 * sigma)),
+          {static_cast<float>(options.small_slack), static_cast<float>(options.slack),
+           static_cast<float>(small)}};
 }
 
 GuidePyramid::GuidePyramid(GuideLevels finest, const RadianceScale& scale,
                            const TwinGuidesOptions& options)
-    : scene_luminance_(scale.mean),
-      guide_sigma_(options.guide_sigma),
-      slack_(options.slack),
-      levels_(std::move(finest)) {}
+    : scene_luminance_(scale.mean), guide_sigma_(options.guide_sigma), levels_(std::move(finest)) {}
 
 void GuidePyramid::coarsen() {
   levels_.fine = std::move(levels_.coarse);
@@ -106,7 +111,7 @@ TilePlanes GuidePyramid::guides(const Lattice& lattice, const Rectangle& around)
     const std::size_t c = channel % 6 / 2, kind = channel % 2;
     const bool fine = channel < 6;
     const GuideSources& level = fine ? *levels_.fine : *levels_.coarse;
-    const Level at{guide_sigma_ * step_ * (fine ? 1.0 : 2.0), slack_};
+    const Level at{guide_sigma_ * step_ * (fine ? 1.0 : 2.0), levels_.slack};
     planes.copy_clamped(2 * channel, level.mean[kind][c], lattice);
     planes.copy_clamped(2 * channel + 1, level.variance[kind][c], lattice);
     for (int y = around.y0; y < around.y1; ++y) {

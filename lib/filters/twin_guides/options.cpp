@@ -1,10 +1,17 @@
 #include "lib/filters/twin_guides/options.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lib/kernels/scene_luminance.h"
 
 namespace spool {
+namespace {
+
+// Chosen on pictures of 256 and 512 pixels: half way between them, in octaves.
+constexpr int kLargestSideOfThreeScales = 362;
+
+}  // namespace
 
 TwinGuidesOptions heavy_tailed_twin_guides_options() {
   TwinGuidesOptions options;
@@ -15,7 +22,9 @@ TwinGuidesOptions heavy_tailed_twin_guides_options() {
 OptionTable<TwinGuidesOptions> twin_guides_option_table() {
   using O = TwinGuidesOptions;
   return {
-      integer_option("scales", &O::scales, 1, 5, "taps of the window 1, 2, 4, ... pixels apart"),
+      integer_or_word_option("scales", &O::scales, "auto", 1, 5,
+                             "taps of the window 1, 2, 4, ... pixels apart; auto: 3, and 4 where "
+                             "the picture's smaller side has more than 362"),
       integer_option("radius", &O::radius, 1, 24, "of the window, pixels"),
       number_option("sigma", &O::sigma, 0.1, 100.0, "of the window's Gaussian, pixels"),
       number_option("guide_sigma", &O::guide_sigma, 0.1, 4.0,
@@ -23,6 +32,9 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table() {
       number_option("stretch", &O::stretch, 0.0, 4.0,
                     "of the coarser guides along the structure of the picture; 0: none"),
       number_option("slack", &O::slack, 0.0, 100.0, "factor on the noise of the guides"),
+      number_option("small_slack", &O::small_slack, 0.0, 100.0, "the same below small_noise"),
+      number_option("small_noise", &O::small_noise, 0.0, 10.0,
+                    "standard deviation of the logarithms of samples; 0: slack everywhere"),
       number_option("detail_slack", &O::detail_slack, 0.0, 100.0,
                     "factor on the noise of a scale's detail"),
       number_option("tau", &O::tau, 1e-3, 10.0,
@@ -46,6 +58,10 @@ OptionTable<TwinGuidesOptions> twin_guides_option_table() {
       number_option("agreement", &O::agreement, 0.0, 64.0,
                     "reach over which clamped light that samples agree on returns, pixels"),
   };
+}
+
+int scale_count(const TwinGuidesOptions& options, int width, int height) {
+  return options.scales.value_or(std::min(width, height) > kLargestSideOfThreeScales ? 4 : 3);
 }
 
 RadianceScale radiance_scale(const PieceStatistics& statistics, GuardCounts& guards) {

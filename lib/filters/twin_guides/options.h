@@ -4,6 +4,8 @@
 // (lib/kernels/scene_luminance.h). docs/twin_guides.md says what each option means.
 #pragma once
 
+#include <optional>
+
 #include "lib/core/guards.h"
 #include "lib/core/option_table.h"
 #include "lib/statistics/piece_statistics.h"
@@ -11,12 +13,14 @@
 namespace spool {
 
 struct TwinGuidesOptions {
-  int scales = 3;             // the taps of scale k stand 2^k pieces apart
+  std::optional<int> scales;  // the taps of scale k stand 2^k pieces apart; none: scale_count
   int radius = 6;             // of the window, pieces
   double sigma = 4.0;         // of the window's Gaussian, pieces
   double guide_sigma = 0.5;   // of the finer pyramid level, pieces; the coarser has twice that
   double stretch = 2.0;       // of the coarser level along the structure of the picture; 0: round
-  double slack = 2.0;         // factor on the estimated noise of the guides
+  double slack = 1.5;         // factor on the estimated noise of the guides
+  double small_slack = 4.0;   // the same of noise below small_noise
+  double small_noise = 0.25;  // standard deviation of a sample's logarithm
   double detail_slack = 1.6;  // factor on the estimated noise of a scale's detail
   double tau = 0.10;          // difference of logarithms that separates two pieces
   double feature_gain = 0.1;  // weight of the distance of features
@@ -34,6 +38,10 @@ struct TwinGuidesOptions {
 TwinGuidesOptions heavy_tailed_twin_guides_options();
 
 OptionTable<TwinGuidesOptions> twin_guides_option_table();
+
+// Scales of a picture of so many pieces. Without a number in `options` the reach of the coarsest
+// window is a tenth of the picture's smaller side: 3 scales, 4 from 363 pieces on.
+int scale_count(const TwinGuidesOptions& options, int width, int height);
 
 // What the specification of the filter fixes.
 inline constexpr double kLogFloor = 0.10;    // log(max(x, 0) + kLogFloor L) of a sample

@@ -136,10 +136,10 @@ FloatRgb blend_scales(const std::vector<ScaleImages>& scales, GuideLevels finest
                       const RadianceScale& scale, const TwinGuidesOptions& options) {
   FloatRgb out = scales.back().image;
   if (scales.size() == 1) return out;
-  const std::vector<Image<float>> means =
-      guided_means(terms_of(scales, static_cast<float>(kFloor * scale.mean), noise_pool),
-                   {nullptr, noise_pool.unused() ? std::move(finest.coarse) : finest.coarse}, clean,
-                   scale, options);
+  const std::vector<Image<float>> means = guided_means(
+      terms_of(scales, static_cast<float>(kFloor * scale.mean), noise_pool),
+      {nullptr, noise_pool.unused() ? std::move(finest.coarse) : finest.coarse, finest.slack},
+      clean, scale, options);
   const auto slack = static_cast<float>(options.detail_slack *
                                         (clean.value.empty() ? kSlackWithoutFeatures : 1.0));
   parallel_rows(0, out[0].height(), [&](int y) {

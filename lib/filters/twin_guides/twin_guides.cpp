@@ -23,15 +23,16 @@ std::vector<ScaleImages> fit_scales(ScaleInputs inputs, const CountImage& n, Gui
                                     const FeatureImages& clean, const RadianceScale& scale,
                                     const Plane& heavy, const TwinGuidesOptions& options) {
   const int width = n.width(), height = n.height();
+  const int count = scale_count(options, width, height);
   std::vector<ScaleImages> scales;
   GuidePyramid pyramid(std::move(finest), scale, options);
   FitOptions fit{options.ridge, options.limit, heavy};
-  for (int k = 0; k < options.scales; ++k) {
+  for (int k = 0; k < count; ++k) {
     if (k > 0) {
       pyramid.coarsen();
       fit.ridge *= kRidgeOfCoarser;
     }
-    const bool last = k + 1 == options.scales;
+    const bool last = k + 1 == count;
     ScaleInputs next = last ? ScaleInputs{} : empty_inputs(width, height, inputs.features.size());
     scales.push_back(empty_images(width, height));
     const auto on_tile = [&](const Lattice& lattice, const Rectangle& tile) {
@@ -67,12 +68,12 @@ Result<Reconstruction> reconstruct_twin_guides(const Selection& selection, const
   opened.limits = {};
   SPOOL_ASSIGN(CleanFeatures features, clean_features(pool, n, result.guards));
 
-  GuideLevels finest = guide_levels(guide_sources(moments, features.clean), scale, options);
+  GuideLevels finest = guide_levels(guide_sources(moments, features.clean), n, scale, options);
   const AgreedLight agreed = agreed_light(std::move(moments.clamped_light), options.agreement);
-  const std::vector<ScaleImages> scales =
-      fit_scales(finest_inputs(std::move(moments), std::move(features.raw)), n,
-                 {noise_pool.unused() ? std::move(finest.fine) : finest.fine, finest.coarse},
-                 features.clean, scale, opened.heavy, options);
+  const std::vector<ScaleImages> scales = fit_scales(
+      finest_inputs(std::move(moments), std::move(features.raw)), n,
+      {noise_pool.unused() ? std::move(finest.fine) : finest.fine, finest.coarse, finest.slack},
+      features.clean, scale, opened.heavy, options);
   const FloatRgb blended = return_agreed_light(
       blend_scales(scales, std::move(finest), features.clean, noise_pool, scale, options), agreed,
       options.agreement, scale);
@@ -97,8 +98,8 @@ Filter twin_guides_filter() {
            [](const auto&) {
              return Needs{.features = Use::kWhenRecorded, .signal = false, .variance = false};
            },
-       .memory = {546, 5e6},
-       .memory_of_means = {{482, 5e6}},
+       .memory = {580, 5e6},
+       .memory_of_means = {{516, 5e6}},
        .cost = 2.7,
        .run = reconstruct_twin_guides});
 }
