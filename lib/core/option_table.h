@@ -78,8 +78,12 @@ Option<Options> integer_or_word_option(std::string name, std::optional<int> Opti
               (options.*member).reset();
               return {};
             }
-            SPOOL_ASSIGN(const int value, parse_integer(name, text, lowest, highest));
-            options.*member = value;
+            const Result<int> value = parse_integer(name, text, lowest, highest);
+            if (!value) {
+              return fail(ErrorCode::kUsage, "option {}: '{}' is neither {} nor {} .. {}", name,
+                          text, word, lowest, highest);
+            }
+            options.*member = *value;
             return {};
           },
           [=](const Options& options) {

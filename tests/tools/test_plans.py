@@ -361,7 +361,10 @@ def test_a_folder_refuses_what_would_be_mixed_up(good, run, plan, tmp_path):
     good("evaluate", plan, "-o", "out", "--no-pictures", "--force")
     (tmp_path / "strange").mkdir()
     (tmp_path / "strange" / "thesis.tex").write_text("mine")
-    run("evaluate", plan, "-o", "strange").failed_with(2, "holds no results")
+    run("evaluate", plan, "-o", "strange").failed_with(2, "holds no results", "or give --force")
+    shard = run("evaluate", plan, "-o", "strange", "--shard", "0/2")
+    shard.failed_with(2, "choose another name")
+    assert "--force" not in shard.err
     assert (tmp_path / "strange" / "thesis.tex").read_text() == "mine"
 
 

@@ -62,6 +62,7 @@ def test_misuse_is_exit_code_2_with_the_nearest_word(run, dump):
     "completion tcsh": "SHELL: 'tcsh' is not one of bash|zsh|fish",
     "reconstruct FILE --filter box -o a.exr --spp 4.5": "--spp: '4.5' is not a whole number in 1 .. 65536",
     "replay FILE --sampler uniform -o a.exr --spp x": "--spp: 'x' is not a number in 0.001 .. 65536",
+    "reconstruct FILE --filter twin_guides{scales=6} -o a.exr": "option scales: '6' is neither auto nor 1 .. 5",
     "pack FILE -o a.spool --max-expansion 0": "--max-expansion: '0' is not a whole number in 1 .. 1000000",
     "synth scene_s -o a.spool --seed x": "--seed: a seed is a whole number from 0 to",
     "info FILE --threads": "--threads: needs a value, 0 .. 1024",

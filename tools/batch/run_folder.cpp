@@ -146,25 +146,25 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
   const fs::path& folder = request.folder;
   std::error_code status;
   const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
-  const bool first = !request.shard && (!request.only || request.only->empty());
-  if (force && first && !request.merge) {
+  // What --force does: a shard or a merge leaves what others made.
+  const bool anew = !request.shard && (!request.only || request.only->empty()) && !request.merge;
+  if (force && anew) {
     SPOOL_TRY(CellStore::remove_all(folder));
     for (const char* name : {"dumps.json", "inputs.json", "manifest.json", "results.csv",
                              "results.jsonl", "statistics.json"})
       fs::remove(folder / name, status);
   } else if (!empty && !CellStore::is_in(folder)) {
     return fail(ErrorCode::kUsage,
-                "{}: exists and holds no results that could be continued: choose another name or "
-                "give --force",
-                folder.string());
+                "{}: exists and holds no results that could be continued: choose another name{}",
+                folder.string(), anew ? " or give --force" : "");
   }
   SPOOL_ASSIGN(CellStore store, CellStore::open(folder));
   const std::size_t others = count_others(store, named);
   if (others > 0 && !force) {
     return fail(ErrorCode::kUsage,
                 "{}: holds {} results that this plan does not have: choose another folder, or give "
-                "--force to start it anew",
-                folder.string(), others);
+                "--force to {}",
+                folder.string(), others, anew ? "start it anew" : "leave them there");
   }
   SPOOL_TRY(CellStore::create(folder));
   sweep(folder, is_part(request) ? kAgeBesideShards : std::chrono::seconds(0));

@@ -98,8 +98,8 @@ Filter twin_guides_filter() {
            [](const auto&) {
              return Needs{.features = Use::kWhenRecorded, .signal = false, .variance = false};
            },
-       .memory = {580, 5e6},
-       .memory_of_means = {{516, 5e6}},
+       .memory = {546, 5e6},
+       .memory_of_means = {{482, 5e6}},
        .cost = 2.7,
        .run = reconstruct_twin_guides});
 }
