@@ -10,7 +10,7 @@ namespace {
 std::string settings_of(const OptionValues& set) {
   std::string text;
   for (const auto& [name, value] : set)
-    text += "," + name + "=" + value;
+    text += fmt::format(",{}={}", name, value);
   return text;
 }
 
