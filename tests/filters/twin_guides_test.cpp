@@ -205,16 +205,18 @@ TEST(TwinGuides, TheLightOfADiscStaysInIt) {
     return Rgb{value, value, value};
   };
   const RgbImage image = image_of(make_pool(100, 90, 8, lamp), 8);
-  double worst = 0.0, disc = 0.0, pieces = 0.0;
+  double worst = 0.0, ring = 0.0, disc = 0.0, pieces = 0.0;
   for (int y = 0; y < 90; ++y) {
     for (int x = 0; x < 100; ++x) {
       if (distance(x, y) > 24.0) worst = std::max(worst, image[1](x, y));
+      if (distance(x, y) > 10.0) ring = std::max(ring, image[1](x, y));
       if (distance(x, y) > 7.0) continue;
       disc += image[1](x, y);
       pieces += 1.0;
     }
   }
   EXPECT_LT(worst, 0.21);
+  EXPECT_LT(ring, 0.3);  // no glow around it
   EXPECT_GT(disc / pieces, 2.5);  // of 5.2
 }
 

@@ -14,33 +14,14 @@
 #include "lib/statistics/feature_statistics.h"
 #include "lib/statistics/piece_statistics.h"
 #include "lib/statistics/variance_of_mean.h"
+#include "tests/reference/blur_reference.h"
+#include "tests/reference/event_places_reference.h"
 #include "tests/reference/feature_fit_reference.h"
 #include "tests/reference/grown_variance_reference.h"
 
 namespace spool::reference {
 
 using Planes = std::vector<Plane>;
-
-// Gaussian of `sigma` taps, cut at 4 sigma, mirrored at the border.
-inline Plane blur(const Plane& image, double sigma, int dilation = 1) {
-  const int reach = static_cast<int>(std::lround(4.0 * sigma));
-  Plane out(image.width(), image.height());
-  for (int y = 0; y < out.height(); ++y) {
-    for (int x = 0; x < out.width(); ++x) {
-      double sum = 0.0, total = 0.0;
-      for (int j = -reach; j <= reach; ++j) {
-        for (int i = -reach; i <= reach; ++i) {
-          const double w = std::exp(-(i * i + j * j) / (2.0 * sigma * sigma));
-          sum += w * image(extend_symmetric(x + i * dilation, out.width()),
-                           extend_symmetric(y + j * dilation, out.height()));
-          total += w;
-        }
-      }
-      out(x, y) = sum / total;
-    }
-  }
-  return out;
-}
 
 // --- means under the features' weights -----------------------------------------------------------
 
@@ -195,22 +176,37 @@ inline Moments moments(const SamplePool& pool, const CountImage& n, const Plane&
   return out;
 }
 
-// T (1 + opening h agreed / kept), of what the clamp at T takes and keeps around each pixel; h of
-// pixels of one piece, or nothing where it is 0 everywhere.
+// T (1 + opening h agreed / kept), of what the clamp at T takes and keeps around each pixel; the
+// share of pooled noise of pixels of one piece, or nothing where it is 0 everywhere.
 inline Plane open_limits(const SamplePool& pool, const CountImage& n, double unit,
                          const TwinGuidesOptions& options, Plane& limit) {
   if (options.opening == 0.0) return {};
   const Planes taken = clamped_light(pool, n, limit, unit);
   if (taken.size() < 2) return {};
   Plane kept(n.width(), n.height()), agreed(n.width(), n.height(), INFINITY);
+  Planes above(taken.size(), Plane(n.width(), n.height()));
+  double samples = 0.0, pixels = 0.0;
   for (int y = 0; y < n.height(); ++y) {
     for (int x = 0; x < n.width(); ++x) {
-      for (int i = 0; i < n(x, y); ++i) {
+      const auto at = [&](int i) {
         const Rgb s = pool.sample(x, y, i);
-        kept(x, y) += unit * std::min(luminance(s[0], s[1], s[2]), limit(x, y)) / n(x, y);
+        return luminance(s[0], s[1], s[2]);
+      };
+      for (int i = 0; i < n(x, y); ++i)
+        kept(x, y) += unit * std::min(at(i), limit(x, y)) / n(x, y);
+      for (std::size_t k = 0; k < above.size(); ++k) {
+        double count = 0.0, all = 0.0;
+        for (int i = static_cast<int>(k); i < n(x, y); i += static_cast<int>(above.size()))
+          count += at(i) > limit(x, y) ? 1.0 : 0.0, all += 1.0;
+        if (all > 0.0) above[k](x, y) = count / all;
       }
+      samples += n(x, y);
+      pixels += n(x, y) > 0 ? 1.0 : 0.0;
     }
   }
+  const EventPlaces places =
+      event_places(above, 1.5, options.clamp_sigma,
+                   samples / std::max(pixels, 1.0) / static_cast<double>(above.size()));
   kept = blur(kept, options.clamp_sigma);
   for (const Plane& group : taken) {
     const Plane around = blur(group, options.clamp_sigma);
@@ -221,9 +217,14 @@ inline Plane open_limits(const SamplePool& pool, const CountImage& n, double uni
   double most = 0.0;
   for (std::size_t i = 0; i < limit.size(); ++i) {
     const double ratio = kept[i] > 0.0 ? agreed[i] / kept[i] : 0.0;
-    heavy[i] = options.heavy > 0.0 ? (ratio / options.heavy - 0.25) / 0.75 : ratio * 1e300;
-    heavy[i] = std::min(1.0, std::max(0.0, heavy[i]));
-    limit[i] *= 1.0 + options.opening * heavy[i] * ratio;
+    const auto ramp = [](double v, double from, double to) {
+      return std::min(1.0, std::max(0.0, (v - from) / (to - from)));
+    };
+    const double h = options.heavy;
+    const auto heaviness = [&](double v) { return h > 0.0 ? ramp(v / h, 0.25, 1.0) : v > 0.0; };
+    limit[i] *= 1.0 + options.opening * heaviness(ratio) * ratio;
+    heavy[i] = heaviness(0.5 * ratio) *
+               std::max(ramp(places.correlation[i], 1.7, 1.2), ramp(places.density[i], 1.0, 2.0));
     most = std::max(most, heavy[i]);
   }
   return most > 0.0 ? heavy : Plane();

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <utility>
 
 #include "lib/core/parallel.h"
+#include "lib/kernels/event_places.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 
@@ -13,39 +15,66 @@ namespace {
 
 constexpr int kMostGroups = 4;
 constexpr double kHeavyBegins = 0.25;  // in units of the ratio at which tails are heavy
+constexpr double kHeavyOfPool = 2.0;   // ratio at which noise is pooled, in the same units
 
-// min(4, smallest count of a pixel that has samples).
-int groups_of_pixels(const CountImage& n, int q) {
-  int groups = kMostGroups;
+// Places of the samples above the limit, of kPlace pixels. Up to the first correlation light falls
+// anywhere alike, from the second on it has places; up to the first density a pixel is beside them.
+constexpr double kPlace = 1.5, kAnywhere = 1.2, kInPlaces = 1.7;
+constexpr double kBeside = 1.0, kInside = 2.0;
+
+struct Counts {
+  int groups = kMostGroups;  // min(4, smallest count of a pixel that has samples)
+  double of_a_group = 0.0;   // samples, mean over the pixels that have any
+};
+
+Counts counts_of_pixels(const CountImage& n, int q) {
+  Counts counts;
+  std::int64_t samples = 0, pixels = 0;
   for (int y = 0; y < n.height(); y += q) {
     for (int x = 0; x < n.width(); x += q) {
       int count = 0;
       for (int i = 0; i < q * q; ++i)
         count += n(x + i % q, y + i / q);
-      if (count > 0) groups = std::min(groups, count);
+      if (count == 0) continue;
+      counts.groups = std::min(counts.groups, count);
+      samples += count;
+      ++pixels;
     }
   }
-  return groups;
+  if (pixels > 0)
+    counts.of_a_group = static_cast<double>(samples) / static_cast<double>(pixels * counts.groups);
+  return counts;
 }
 
 struct Split {
   std::vector<Plane> taken;  // [group], mean luminance above the limit
+  std::vector<Plane> share;  // [group], of the samples above it
   Plane kept;                // mean luminance below it
 };
+
+double ramp(double value, double from, double to) {
+  return std::clamp((value - from) / (to - from), 0.0, 1.0);
+}
 
 // 0 .. 1. `ratio`: agreed light over kept light.
 double heaviness(double ratio, double heavy) {
   if (heavy == 0.0) return ratio > 0.0 ? 1.0 : 0.0;
-  return std::clamp((ratio / heavy - kHeavyBegins) / (1.0 - kHeavyBegins), 0.0, 1.0);
+  return ramp(ratio / heavy, kHeavyBegins, 1.0);
+}
+
+// 0 .. 1. Beside a lamp there is nothing to pool: its noise is not that of what is around it.
+double has_the_light(double correlation, double density) {
+  return std::max(ramp(correlation, kInPlaces, kAnywhere), ramp(density, kBeside, kInside));
 }
 
 Split split_at(const Plane& limits, const SamplePool& pool, const CountImage& n, int groups) {
   const int q = pool.pieces_per_side();
-  Split split{std::vector<Plane>(static_cast<std::size_t>(groups), limits), limits};
+  const std::vector<Plane> of_groups(static_cast<std::size_t>(groups), limits);
+  Split split{of_groups, of_groups, limits};
   parallel_rows(0, limits.height(), [&](int y) {
     for (int x = 0; x < limits.width(); ++x) {
       const double limit = limits(x, y);
-      std::array<double, kMostGroups> above{};
+      std::array<double, kMostGroups> above{}, samples_above{};
       double below = 0.0;
       int position = 0;
       for (int piece = 0; piece < q * q; ++piece) {
@@ -53,7 +82,11 @@ Split split_at(const Plane& limits, const SamplePool& pool, const CountImage& n,
         for (int i = 0; i < n(px, py); ++i, ++position) {
           const Rgb sample = pool.sample(px, py, i);
           const double l = luminance(sample[0], sample[1], sample[2]);
-          if (l > limit) above[static_cast<std::size_t>(position % groups)] += l - limit;
+          if (l > limit) {
+            const auto group = static_cast<std::size_t>(position % groups);
+            above[group] += l - limit;
+            samples_above[group] += 1.0;
+          }
           below += std::min(l, limit);
         }
       }
@@ -61,6 +94,7 @@ Split split_at(const Plane& limits, const SamplePool& pool, const CountImage& n,
         const auto at = static_cast<std::size_t>(k);
         const int of_group = (position - k + groups - 1) / groups;
         split.taken[at](x, y) = of_group > 0 ? above[at] / of_group : 0.0;
+        split.share[at](x, y) = of_group > 0 ? samples_above[at] / of_group : 0.0;
       }
       split.kept(x, y) = position > 0 ? below / position : 0.0;
     }
@@ -82,9 +116,9 @@ Plane pieces_of_pixels(const Plane& pixels, int q) {
 
 OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage& n,
                          const TwinGuidesOptions& options) {
-  const int groups = groups_of_pixels(n, pool.pieces_per_side());
-  if (options.opening <= 0.0 || groups < 2) return {std::move(limits), {}};
-  Split split = split_at(limits, pool, n, groups);
+  const Counts counts = counts_of_pixels(n, pool.pieces_per_side());
+  if (options.opening <= 0.0 || counts.groups < 2) return {std::move(limits), {}};
+  const Split split = split_at(limits, pool, n, counts.groups);
   const Taps taps = four_sigma_taps(options.clamp_sigma);
   const Plane kept = convolve(split.kept, taps);
   Plane agreed = convolve(split.taken[0], taps);
@@ -93,11 +127,14 @@ OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage&
     for (std::size_t i = 0; i < agreed.size(); ++i)
       agreed[i] = std::min(agreed[i], around[i]);
   }
+  const EventPlaces places =
+      event_places(split.share, kPlace, options.clamp_sigma, counts.of_a_group);
   Plane heavy(limits.width(), limits.height());
   for (std::size_t i = 0; i < limits.size(); ++i) {
     const double ratio = kept[i] > 0.0 ? agreed[i] / kept[i] : 0.0;
-    heavy[i] = heaviness(ratio, options.heavy);
-    limits[i] *= 1.0 + options.opening * heavy[i] * ratio;
+    limits[i] *= 1.0 + options.opening * heaviness(ratio, options.heavy) * ratio;
+    heavy[i] = heaviness(ratio, kHeavyOfPool * options.heavy) *
+               has_the_light(places.correlation[i], places.density[i]);
   }
   if (std::ranges::all_of(heavy.pixels(), [](double h) { return h == 0.0; }))
     return {std::move(limits), {}};
