@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/core/log_average.h"
+
 namespace spool {
 
 Picture::Picture(int w, int h, Rgb8 fill_colour) : width(w), height(h) {
@@ -23,15 +25,17 @@ Rgb8 Picture::at(int x, int y) const {
 }
 
 double tone_exposure(const RgbImage& reference) {
-  double sum = 0.0;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < reference[0].size(); ++i) {
-    const double y = luminance(reference[0][i], reference[1][i], reference[2][i]);
-    if (!std::isfinite(y)) continue;
-    sum += std::log(std::max(y, 0.0) + 1e-4);
-    ++n;
-  }
-  return n == 0 ? 1.0 : 0.18 / std::exp(sum / static_cast<double>(n));
+  double sum = 0.0, logarithms = 0.0, n = 0.0;
+  const auto for_finite = [&](auto&& use) {
+    for (std::size_t i = 0; i < reference[0].size(); ++i) {
+      const double y = luminance(reference[0][i], reference[1][i], reference[2][i]);
+      if (std::isfinite(y)) use(std::max(y, 0.0));
+    }
+  };
+  for_finite([&](double y) { sum += y, n += 1.0; });
+  const double floor = log_average_floor(sum / n);
+  for_finite([&](double y) { logarithms += std::log(y + floor); });
+  return n == 0.0 ? 1.0 : 0.18 / std::exp(logarithms / n);
 }
 
 Picture tone_map(const RgbImage& image, double exposure) {

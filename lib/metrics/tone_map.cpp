@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lib/core/colour.h"
+#include "lib/core/log_average.h"
 #include "lib/core/pairwise_sum.h"
 
 namespace spool {
@@ -13,11 +14,13 @@ double tone_map_exposure(const RgbImage& reference, const Image<std::uint8_t>& j
   const auto counts = [&](std::size_t p) { return judged.empty() || judged[p] != 0; };
   const double n = pairwise_sum(size, [&](std::size_t p) { return counts(p) ? 1.0 : 0.0; });
   if (n == 0.0) return 1.0;
-  const double sum = pairwise_sum(size, [&](std::size_t p) {
-    if (!counts(p)) return 0.0;
-    return std::log(std::max(luminance(reference[0][p], reference[1][p], reference[2][p]), 0.0) +
-                    1e-4);
-  });
+  const auto judged_luminance = [&](std::size_t p) {
+    return std::max(luminance(reference[0][p], reference[1][p], reference[2][p]), 0.0);
+  };
+  const double floor = log_average_floor(
+      pairwise_sum(size, [&](std::size_t p) { return counts(p) ? judged_luminance(p) / n : 0.0; }));
+  const double sum = pairwise_sum(
+      size, [&](std::size_t p) { return counts(p) ? std::log(judged_luminance(p) + floor) : 0.0; });
   return 0.18 / std::exp(sum / n);
 }
 

@@ -30,6 +30,22 @@ TEST(ToneMap, GreyImageOfAnyExposureComesOutAsMiddleGrey) {
   }
 }
 
+// Grey beside a tenth of black. Middle grey is that of log-averages, so black counts, alike in
+// every unit.
+TEST(ToneMap, RadianceInAnotherUnitIsTheSamePicture) {
+  const auto exposed_grey = [](double radiance) {
+    RgbImage image = make_rgb(10, 1, radiance);
+    for (Plane& plane : image)
+      plane[3] = 0.0;
+    return radiance * tone_exposure(image);
+  };
+  EXPECT_NEAR(exposed_grey(1e-6), exposed_grey(1e-30), 1e-9);
+  EXPECT_NEAR(exposed_grey(1e6), exposed_grey(1e30), 1e-9);
+  EXPECT_NEAR(exposed_grey(1e-6), 0.18 * std::pow(0.009, -0.1), 0.01);
+  EXPECT_NEAR(exposed_grey(1e6), 0.18 * std::pow(0.9e-6, -0.1), 0.01);
+  EXPECT_NEAR(exposed_grey(1.0), 0.18 * std::pow(1e-4, -0.1), 0.01);
+}
+
 TEST(ToneMap, NonFinitePixelsStandOutAndDoNotSetTheExposure) {
   RgbImage image = make_rgb(3, 1, 0.5);
   image[1](1, 0) = std::nan("");

@@ -81,6 +81,21 @@ TEST(Flip, IsZeroBetweenEqualImagesAndWithinOneAlways) {
   }
 }
 
+TEST(ToneMap, TheExposureFollowsTheUnitOfRadiance) {
+  const auto exposed = [](double unit) {
+    RgbImage image = golden_image(true, true);
+    for (Plane& plane : image) {
+      for (double& v : plane.pixels())
+        v *= unit;
+    }
+    return unit * tone_map_exposure(image, {});
+  };
+  EXPECT_NEAR(exposed(1e-8), exposed(1e-20), 1e-12);
+  EXPECT_NEAR(exposed(1e8), exposed(1e20), 1e-12);
+  EXPECT_NEAR(exposed(1e-8), exposed(1.0), 0.2 * exposed(1.0));  // a floor of 1e-2 of the mean
+  EXPECT_NEAR(exposed(1e8), exposed(1.0), 0.02 * exposed(1.0));
+}
+
 TEST(Flip, LowDynamicRangeIsSymmetric) {
   const RgbImage a = uniform_image(30, 20, 1), b = uniform_image(30, 20, 2);
   EXPECT_EQ(flip_ldr_map(a, b), flip_ldr_map(b, a));

@@ -118,9 +118,13 @@ inline double linear_metric(const std::string& name, const std::vector<JudgedPix
     });
   }
   if (name == "psnr_tm") {
-    long double log_sum = 0;
+    long double log_sum = 0, sum = 0;
     for (const JudgedPixel& p : pixels)
-      log_sum += std::log(std::max(p.y_r(), 0.0) + 1e-4);
+      sum += std::max(p.y_r(), 0.0);
+    const double mean = static_cast<double>(sum / static_cast<long double>(pixels.size()));
+    const double floor = mean < 0.01 ? 0.01 * mean : mean > 100.0 ? 1e-6 * mean : 1e-4;
+    for (const JudgedPixel& p : pixels)
+      log_sum += std::log(std::max(p.y_r(), 0.0) + floor);
     const double e =
         0.18 / std::exp(static_cast<double>(log_sum / static_cast<long double>(pixels.size())));
     return 10 * std::log10(1 / mean_of(pixels, [&](const JudgedPixel& p, int c) {

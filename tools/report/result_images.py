@@ -209,8 +209,9 @@ def exposure_and_mean(image):
     luminance = luminance[np.isfinite(luminance)]
     if luminance.size == 0:
         return 0.0, 1.0
-    grey = math.exp(float(np.mean(np.log(np.maximum(luminance, 0.0) + 1e-4))))
     mean = float(np.mean(luminance))
+    floor = min(max(1e-4, 1e-6 * mean), 1e-2 * mean) if mean > 0.0 else 1e-4  # lib/core/log_average.h
+    grey = math.exp(float(np.mean(np.log(np.maximum(luminance, 0.0) + floor))))
     return round(2.0 * math.log2(0.18 / grey)) / 2.0, mean if mean > 0.0 else 1.0
 
 
