@@ -144,6 +144,16 @@ def test_a_weaker_judge_is_said_to_be_one(tmp_path):
     assert "Judged by holdout" in text and "would be less noisy" in text
 
 
+def test_every_judge_is_explained_beside_a_reference_that_was_not_chosen(dump, tmp_path):
+    """`pool` had no explanation, and the recording's reference was spoken of as if there were none."""
+    for kind, explained, advice in (("independent", "the reference in the recording", False), ("pool (biased)", "the mean of all samples", False),
+                                    ("crossfit", "each half of every pixel's samples", True)):
+        text = " ".join(piped("evaluate", dump, "--spp", "2", "--reference", kind.split()[0], "--no-pictures", "-o", kind.split()[0],
+                              folder=tmp_path).split())
+        assert f"Judged by {kind}: {explained}" in text
+        assert ("A reference in the recording (independent) would be less noisy." in text) == advice
+
+
 def test_metrics_and_times_fit_80_columns(tmp_path):
     write_dump(tmp_path / "s.spool", samples()[0])
     lines = shown(80, "evaluate", "s.spool", "--replicates", 2, "--spp", "4", "--wide", "--reference", "pool", "-o", "out", "--threads", 2, folder=tmp_path)

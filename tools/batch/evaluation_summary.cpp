@@ -164,14 +164,18 @@ std::string about_text(const Study& study) {
   return text;
 }
 
+// A result names a biased kind with a mark behind it. The recording may have a reference that was
+// not chosen, so what would be less noisy is named.
 std::string judged_text(const std::string& reference, bool biased) {
-  const auto& kinds = reference_kinds();
-  const auto kind = std::ranges::find(kinds, reference, &ReferenceDescription::name);
-  const bool recorded = kind != kinds.end() && kind->kind == ReferenceKind::kIndependent;
-  return fmt::format("Judged by {}: {}.{}{}\n", visible_text(reference),
-                     kind == kinds.end() ? "" : kind->meaning,
-                     recorded ? "" : " A reference in the recording would be less noisy.",
-                     biased ? " BIASED: see spool evaluate --help." : "");
+  const auto kind =
+      std::ranges::find(reference_kinds(), reference.substr(0, reference.find(" (biased)")),
+                        &ReferenceDescription::name);
+  const bool known = kind != reference_kinds().end();
+  const bool noisier = known && !kind->biased && kind->kind != ReferenceKind::kIndependent;
+  return fmt::format(
+      "Judged by {}{}.{}{}\n", visible_text(reference), known ? ": " + kind->meaning : "",
+      noisier ? " A reference in the recording (independent) would be less noisy." : "",
+      biased ? " BIASED: see spool evaluate --help." : "");
 }
 
 // What stands below the table.
