@@ -211,6 +211,14 @@ class PlanReader : private TomlReader {
     SPOOL_TRY(read_flag("decision_split", plan.experiment.decision_split));
     SPOOL_TRY(read_flag("fresh", plan.experiment.fresh));
     SPOOL_TRY(read_value("reference", plan.experiment.reference, parse_reference_kind));
+    SPOOL_TRY(read_order(plan));
+    // There is one recorded order.
+    if (plan.experiment.order == ReplicateOrder::kRecorded && !root_.get("replicates"))
+      plan.replicates = 1;
+    return {};
+  }
+
+  Result<void> read_order(Plan& plan) const {
     return read_value(
         "order", plan.experiment.order, [](const std::string& text) -> Result<ReplicateOrder> {
           for (const ReplicateOrder order :

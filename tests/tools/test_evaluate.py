@@ -35,6 +35,21 @@ def test_mse_in_recorded_order_is_that_of_numpy(good, dump, tmp_path):
     assert row["error"] == "" and int(row["samples_spent"]) == 4 * mean.size
 
 
+def test_recorded_order_is_one_replicate(good, run, dump, tmp_path):
+    """Seven of eight replicates failed after all work was done, and a dry run listed them."""
+    plan = tmp_path / "plan.toml"
+    plan.write_text('recordings = ["scene.spool"]\nspp = [4]\norder = "recorded"\nsamplers = ["uniform"]\nfilters = ["box"]\n')
+    for words in ([dump, "--spp", 4, "--recorded-order"], [plan]):
+        assert "1 replicate x" in good("evaluate", *words, "--dry-run").out
+        good("evaluate", *words, "-o", "out", "--no-pictures")
+        assert [row["replicate"] for row in rows_of(tmp_path / "out")] == ["0"]
+    plan.write_text(plan.read_text() + "replicates = 2\n")
+    for words in ([dump, "--spp", 4, "--recorded-order", "--replicates", 2], [plan]):
+        for more in (["--dry-run"], ["-o", "none"]):
+            run("evaluate", *words, *more).failed_with(2, "recorded order: 2 replicates would be of the same samples", "--replicates 1")
+    assert not (tmp_path / "none").exists()
+
+
 def kurtosis_of(radiance):
     """Of samples [y][x][s][c]: fourth cumulant over squared variance, weighted as in relMSE (Fisher's k-statistics)."""
     values = radiance.astype(float).mean(axis=-1).reshape(-1, radiance.shape[2])

@@ -107,6 +107,12 @@ StudySources study_sources(const CellStore& store, const Plan& plan) {
 }
 
 Result<NamedCells> name_cells(const Plan& plan) {
+  if (plan.experiment.order == ReplicateOrder::kRecorded && plan.replicates > 1) {
+    return fail(ErrorCode::kUsage,
+                "recorded order: {} replicates would be of the same samples: ask for one "
+                "(--replicates 1, replicates = 1 in a plan) or leave the order out",
+                plan.replicates);
+  }
   NamedCells named(plan);
   const std::optional<std::size_t> twice = named.twice();
   if (!twice) {

@@ -49,7 +49,7 @@ void add_judging(CLI::App& verb, EvaluateOptions& options) {
          kHoldout);
   verb.add_option("--seed", options.seed, "seed of all replicates (1)")->check(seed_check());
   verb.add_flag("--recorded-order", options.recorded_order,
-                "take samples in recorded order; all replicates are then alike");
+                "take samples in recorded order, which is one replicate");
   within(verb.add_option("--pieces", options.pieces_per_side, kPieces), kPiecesPerSide);
   verb.add_flag("--decision-split", options.decision_split, kDecisionSplit);
   verb.add_flag("--fresh", options.fresh,

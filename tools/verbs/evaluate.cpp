@@ -92,7 +92,7 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
     if (plan.threads.empty())
       return fail(ErrorCode::kUsage, "--sweep-threads: give numbers: 1,2,4");
   }
-  plan.replicates = options.replicates.value_or(plan.replicates);
+  plan.replicates = options.replicates.value_or(options.recorded_order ? 1 : plan.replicates);
   plan.experiment.halves = plan.measured_halves();
   plan.experiment.repeats = options.repeats.value_or(1);
   plan.experiment.seed = options.seed.value_or(plan.experiment.seed);
