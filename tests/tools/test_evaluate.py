@@ -282,17 +282,19 @@ def test_a_shard_notices_a_changed_input_of_the_results_of_another(run, good, du
     run("evaluate", "plan.toml", "-o", "out", "--shard", "1/2").failed_with(2, "n.exr: has changed since the results in out were made")
 
 
-@pytest.mark.parametrize("kind", ["command", "image", "counts", "mask"])
+@pytest.mark.parametrize("kind", ["command", "part", "loop", "image", "counts", "mask"])
 def test_results_of_an_input_that_was_changed_are_not_kept(run, good, dump, tmp_path, kind):
     for name, spp in (("a.exr", 2), ("b.exr", 4)):
         good("replay", dump, "--sampler", "uniform", "--spp", spp, "-o", f"n_{name}")
         good("reconstruct", dump, "--filter", "box", "--spp", spp, "-o", name)
     given = tmp_path / "of mine"
     samplers, filters, more, files = '"uniform"', '"box"', "", ("a.exr", "b.exr")
-    if kind == "command":
+    if kind in ("command", "part", "loop"):
         (tmp_path / "a.exr").write_text("cp $1 $2")
         (tmp_path / "b.exr").write_text("sleep 0; cp $1 $2")
-        filters = "'own=exec:sh \"of mine\" 2> log.txt'"
+        command = 'exec:sh "of mine" 2> log.txt'
+        filters = {"command": f"'own={command}'", "part": f"'own=ensemble:box+{command}'", "loop": filters}[kind]
+        samplers = f"'own=cross_halves{{filter={command}}}'" if kind == "loop" else samplers
     if kind == "image":
         filters = '"image:of mine"'
     if kind == "counts":

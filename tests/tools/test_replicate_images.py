@@ -66,6 +66,17 @@ def test_images_that_are_missing_or_wrong_are_named(good, run, dump, tmp_path):
     evaluate(run, dump, "--filters", "image:inputs/{recording}_{spp}.exr", "-o", "other").failed_with(2, "{replicate}")
 
 
+def test_an_image_of_a_half_that_was_changed_is_noticed(good, run, dump, tmp_path):
+    evaluate(good, dump, "--export-inputs", "images")
+    words = (dump, "--filters", f"image:images/{NAMES}", "-o", "results")
+    evaluate(good, *words)
+    assert {name.rsplit("_", 1)[1] for name in json.loads((tmp_path / "results" / "inputs.json").read_text())} == {
+        f"{r}.exr" for r in ("0", "0a", "0b", "1", "1a", "1b", "2")}
+    evaluate(good, *words)
+    shutil.copy(tmp_path / "images" / "scene_4_0b.exr", tmp_path / "images" / "scene_4_1a.exr")
+    evaluate(run, *words).failed_with(2, "images/scene_4_1a.exr: has changed since the results in results were made", "--force")
+
+
 def test_an_image_that_is_the_reference_is_pointed_out(good, tmp_path):
     radiance, mean = samples()
     mean = mean.astype("f4")

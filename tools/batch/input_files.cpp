@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "formats/bounded_json.h"
 #include "formats/interchange/sha256.h"
 #include "formats/target_watch.h"
 #include "lib/image_io/atomic_file.h"
+#include "tools/methods/external_methods.h"
 #include "tools/methods/replicate_images.h"
 
 namespace spool::tools {
@@ -45,14 +48,23 @@ std::vector<std::string> words_of(const std::string& command) {
 }
 
 bool may_have_files(const MethodChoice& method) {
-  return method.name == "exec" || method.name == "counts" || method.name == "image";
+  return std::ranges::any_of(with_inner_methods(method), [](const MethodChoice& inner) {
+    return inner.name == "exec" || inner.name == "counts" || inner.name == "image";
+  });
 }
 
-std::vector<std::string> files_of(const MethodChoice& method, const Cell& cell) {
+// `in_halves`: replicates that are also judged by images of their halves.
+std::vector<std::string> files_of(const MethodChoice& method, const Cell& cell, int in_halves) {
   if (method.name == "exec") return words_of(method.preset);
   if (method.name == "counts") return {method.preset};
-  if (method.name == "image") return {image_of(cell, method.preset)};
-  return {};
+  if (method.name != "image") return {};
+  std::vector<std::string> names = {image_of(cell, method.preset)};
+  if (cell.replicate >= in_halves) return names;
+  for (const char letter : {'a', 'b', 'c', 'd'}) {
+    names.push_back(
+        fill_replicate(fill_names(method.preset, cell), std::to_string(cell.replicate) + letter));
+  }
+  return names;
 }
 
 // {path: cells}, of what a chosen cell depends on: the others' results count, too.
@@ -63,13 +75,16 @@ std::map<std::string, std::vector<std::size_t>> input_files(const Plan& plan,
   if (plan.experiment.masks.empty() && std::ranges::none_of(plan.samplers, may_have_files) &&
       std::ranges::none_of(plan.filters, may_have_files))
     return found;  // a plan may have millions of cells
+  const int in_halves = plan.experiment.fresh ? plan.replicates : plan.experiment.halves;
   for (std::size_t i = 0; i < named.size(); ++i) {
     const Cell cell = named.cell(i);
-    std::vector<std::string> names = files_of(cell.sampler, cell);
-    for (std::string& name : files_of(cell.filter, cell))
-      names.push_back(std::move(name));
+    std::set<std::string> names;
+    for (const MethodChoice& method : {cell.sampler, cell.filter})
+      for (const MethodChoice& inner : with_inner_methods(method))
+        for (std::string& name : files_of(inner, cell, in_halves))
+          names.insert(std::move(name));
     for (const EnergyMask& mask : plan.experiment.masks)
-      names.push_back(mask.path);
+      names.insert(mask.path);
     for (const std::string& name : names)
       found[name].push_back(i);
   }

@@ -4,9 +4,8 @@
 #include <utility>
 
 namespace spool::tools {
-namespace {
 
-std::vector<std::string> split_parts(const std::string& text) {
+std::vector<std::string> ensemble_parts(const std::string& text) {
   std::vector<std::string> parts(1);
   int depth = 0;
   for (const char c : text) {
@@ -20,13 +19,11 @@ std::vector<std::string> split_parts(const std::string& text) {
   return parts;
 }
 
-}  // namespace
-
 Result<ReadyFilter> make_ensemble_filter(const MethodList<FilterFunction>& known,
                                          const std::string& parts, const OptionValues& set) {
   SPOOL_ASSIGN(const EnsembleOptions options,
                with_options(ensemble_option_table(), EnsembleOptions{}, set));
-  const std::vector<std::string> names = split_parts(parts);
+  const std::vector<std::string> names = ensemble_parts(parts);
   if (names.size() < 2 || names.size() > kMostEnsembleParts) {
     return fail(ErrorCode::kUsage,
                 "ensemble:{}: {} parts: name 2 to {}, as in ensemble:oidn+twin_guides", parts,

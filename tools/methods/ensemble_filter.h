@@ -3,11 +3,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lib/filters/ensemble.h"
 #include "lib/methods/method_list.h"
 
 namespace spool::tools {
+
+// The methods of "oidn+exec:COMMAND", as they are written.
+std::vector<std::string> ensemble_parts(const std::string& text);
 
 // Parts of "oidn+twin_guides{energy=box}", of those that are `known`: a + in braces does not part.
 // Errors kUsage.

@@ -263,6 +263,19 @@ Method<Function> method_with_argument(std::string name, std::string argument, st
 
 }  // namespace
 
+std::vector<MethodChoice> with_inner_methods(const MethodChoice& method) {
+  std::vector<MethodChoice> all = {method};
+  std::vector<std::string> inner;
+  if (method.name == "ensemble") inner = ensemble_parts(method.preset);
+  for (const auto& [name, value] : method.set)
+    if (name == "filter") inner.push_back(value);
+  for (const std::string& text : inner)
+    if (const auto choice = choose_method(known_filters(), text))
+      for (MethodChoice& found : with_inner_methods(*choice))
+        all.push_back(std::move(found));
+  return all;
+}
+
 const SamplerList& known_samplers() {
   static const SamplerList all = [] {
     SamplerList list = samplers();

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "lib/filters/filters.h"
 #include "lib/sampling/samplers.h"
@@ -22,6 +23,9 @@ namespace spool::tools {
 
 const SamplerList& known_samplers();
 const FilterList& known_filters();
+
+// `method`, and those that it names: the parts of an ensemble, the filter in a sampler's loop.
+std::vector<MethodChoice> with_inner_methods(const MethodChoice& method);
 
 // A command of a user.
 inline bool is_foreign_code(const MethodChoice& method) {
