@@ -194,20 +194,27 @@ def test_commands_are_offered_and_run_only_where_the_user_allows_it(good, scene,
     (tmp_path / "den").write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\ncp {tmp_path}/image.exr \"$2\"\n")
     (tmp_path / "den").chmod(0o755)
     exr.write(tmp_path / "image.exr", {c: np.full((16, 24), 0.5, "f4") for c in "RGB"})
-    good("evaluate", scene, "--filters", f"box,den=exec:{tmp_path}/den,mine=directional", "--spp", "4", "--replicates", "1", "-o", tmp_path / "r", "-q")
+    words = (scene, "--filters", f"box,den=exec:{tmp_path}/den,mine=directional", "--spp", "4", "--replicates", "1", "--samplers",
+             f"uniform,loop=cross_halves{{filter=exec:{tmp_path}/den}}")
+    inside = ("--filters", f"ensemble:box+exec:{tmp_path}/den", "--spp", "4", "--dry-run")
+    for dry in (words + ("--dry-run",), (scene, *inside)):
+        assert "run commands of the plan" in good("evaluate", *dry).out and not (tmp_path / "ran").exists()
+    good("evaluate", *words, "-o", tmp_path / "r", "-q")
     (tmp_path / "ran").unlink()
     for words, filters in (((), ["box", "mine"]), (("--allow-commands",), ["box", "den", "mine"])):
         server = Served(tmp_path / "r", *words)
         try:
             choices = server.json("choices")
             assert choices["filters"] == filters and not (tmp_path / "ran").exists()
-            assert choices["left_out"] == ("" if words else "not replayed: den (a command: --allow-commands)")
+            assert choices["samplers"] == ["uniform", "loop"][:1 + bool(words)]
+            apart = "loop (a command: --allow-commands), den (a command: --allow-commands)"
+            assert choices["left_out"] == ("" if words else f"not replayed: {apart}")
             if words:
                 _, planes = server.planes("replay?" + server.key("uniform", "den", 4))
                 assert (planes["estimate"] == 0.5).all() and (tmp_path / "ran").exists()
         finally:
             code, said = server.end()
-            assert code == 130 and ("not replayed: den" in said) == (not words)
+            assert code == 130 and ("not replayed: loop" in said) == (not words)
 
 
 def test_a_recording_offers_what_the_user_names_beside_the_methods_of_the_program(run, scene, tmp_path):

@@ -1,5 +1,6 @@
 #include "tools/methods/external_methods.h"
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 
@@ -274,6 +275,17 @@ std::vector<MethodChoice> with_inner_methods(const MethodChoice& method) {
       for (MethodChoice& found : with_inner_methods(*choice))
         all.push_back(std::move(found));
   return all;
+}
+
+bool is_foreign_code(const MethodChoice& method) {
+  return std::ranges::any_of(with_inner_methods(method),
+                             [](const MethodChoice& inner) { return inner.name == "exec"; });
+}
+
+bool runs_alone(const MethodChoice& method) {
+  return std::ranges::any_of(with_inner_methods(method), [](const MethodChoice& inner) {
+    return inner.name == "exec" || inner.name == "python";
+  });
 }
 
 const SamplerList& known_samplers() {

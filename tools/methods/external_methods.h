@@ -27,14 +27,10 @@ const FilterList& known_filters();
 // `method`, and those that it names: the parts of an ensemble, the filter in a sampler's loop.
 std::vector<MethodChoice> with_inner_methods(const MethodChoice& method);
 
-// A command of a user.
-inline bool is_foreign_code(const MethodChoice& method) {
-  return method.name == "exec" || method.name.starts_with("exec:");
-}
+// Runs a command of a user, itself or inside.
+bool is_foreign_code(const MethodChoice& method);
 // Code of others, which may not like to be run several times at once.
-inline bool runs_alone(const MethodChoice& method) {
-  return is_foreign_code(method) || method.name == "python";
-}
+bool runs_alone(const MethodChoice& method);
 
 // What stands beside the name of a method that is re-implemented by description, and what it means.
 inline constexpr const char* kByDescriptionMark = " [R]";

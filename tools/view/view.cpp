@@ -47,12 +47,13 @@ std::vector<MethodChoice> replayed(const MethodList<Function>& list,
                                    std::vector<std::string>& left_out) {
   std::vector<MethodChoice> choices;
   for (const MethodChoice& choice : planned) {
-    const bool plain = find_method(list, choice.name)->argument.empty();
-    if (plain || (is_foreign_code(choice) && allow_commands)) {
+    const bool replayable =
+        choice.name == "exec" || find_method(list, choice.name)->argument.empty();
+    const bool command = is_foreign_code(choice);  // a filter in a sampler's loop, too
+    if (replayable && (!command || allow_commands)) {
       choices.push_back(choice);
     } else {
-      const char* why =
-          is_foreign_code(choice) ? "a command: --allow-commands" : choice.name.c_str();
+      const char* why = replayable && command ? "a command: --allow-commands" : choice.name.c_str();
       left_out.push_back(fmt::format("{} ({})", choice.label(), why));
     }
   }
