@@ -125,7 +125,7 @@ def test_replicates_of_one_image_are_not_called_one_replicate(good):
 
 
 def bytes_of(folder, suffix):
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob(f"*{suffix}"))}
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob(f"*{suffix}")) if path.is_file()}
 
 
 def test_images_are_kept_and_pictures_drawn_when_asked_for(good, run, dump, tmp_path):
@@ -414,6 +414,22 @@ def test_results_beside_each_other_are_those_one_after_another(good, dump, tmp_p
         assert {row["timing"] for row in rows} == {timing}
         assert {row["threads_used"] for row in rows} == {"1" if timing == "shared" else "3"}
         assert all((row["peak_memory_mb"] == "") == (timing == "shared") for row in rows)
+
+
+def test_times_of_a_shared_machine_are_no_exact_ones(good, run, dump, tmp_path):
+    """The results stayed as they were, and the manifest said that they were timed exactly."""
+    words = ["evaluate", dump, "--spp", 2, "--replicates", 3, "--threads", 3, "--no-pictures", "-o", "out"]
+    said = " ".join(good(*words, "--wide").out.split())
+    assert "--timing exact --force makes them anew" in said
+    kept = bytes_of(tmp_path / "out", "")
+    for more in ([], ["--dry-run"]):
+        run(*words, "--timing", "exact", *more).failed_with(2, "--timing exact: results in out were timed beside others", "--force")
+    shard = run(*words, "--timing", "exact", "--shard", "0/1")
+    assert shard.code == 2 and "choose another folder" in shard.err and "--force" not in shard.err
+    assert bytes_of(tmp_path / "out", "") == kept
+    for more in (["--force"], [], ["--shard", "0/1"]):
+        good(*words, "--timing", "exact", *more)
+        assert {row["timing"] for row in rows_of(tmp_path / "out")} == {"alone"}
 
 
 def test_a_recording_has_a_name_and_its_path_stands_apart(good, dump, tmp_path):

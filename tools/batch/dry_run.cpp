@@ -76,12 +76,13 @@ struct Listing {
   std::string text;  // a line for each
 };
 
-Result<Listing> list_cells(const RunRequest& request) {
+Result<Listing> list_cells(const RunRequest& request, bool force) {
   const Plan& plan = request.plan;
   SPOOL_ASSIGN(const CellStore store, CellStore::open(request.folder));
   Listing found;
   SPOOL_ASSIGN(const NamedCells named, name_cells(plan));
   SPOOL_ASSIGN(const std::vector<bool> chosen, chosen_cells(request, named));
+  if (!force) SPOOL_TRY(check_times(request, named, chosen, store));
   for (std::size_t i = 0; i < named.size(); ++i) {
     if (!chosen[i]) continue;
     const Cell cell = named.cell(i);
@@ -129,7 +130,7 @@ Result<void> print_dry_run(const RunRequest& request, const CommonOptions& commo
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
     pixels[dump] = static_cast<double>(reader.header().width) * reader.header().height;
   }
-  SPOOL_ASSIGN(Listing cells, list_cells(request));
+  SPOOL_ASSIGN(Listing cells, list_cells(request, common.force));
   const bool measured = !cells.done.empty();
   std::vector<Cell>& left = cells.left;
   const std::size_t cells_left = left.size();

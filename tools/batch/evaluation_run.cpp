@@ -189,7 +189,7 @@ class PlanRun {
       print("\n");
       if (any_shared_ && request_.wide) {
         print(wrapped("times: of a machine that other results shared (column timing); --timing "
-                      "exact makes one result after another",
+                      "exact --force makes them anew, one after another",
                       line_width()) +
               "\n");
       }
@@ -393,16 +393,17 @@ Result<void> run_plan(const RunRequest& request, const CommonOptions& common) {
   SPOOL_ASSIGN(const std::vector<CellStore> others,
                check_merge(request, named, dumps, common.force));
   SPOOL_ASSIGN(CellStore store, prepare_folder(request, named, common.force));
+  SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named));
+  const bool prepares = request.only && request.only->empty();  // for all cells, made elsewhere
+  const std::vector<bool> wanted = prepares ? std::vector(named.size(), true) : chosen;
+  SPOOL_TRY(check_times(request, named, wanted, store));
   if (store.damaged() > 0) print_warning(store.damage());
   SPOOL_TRY(keep_identities(dumps, request.folder));
   if (!request.merge && store.empty()) SPOOL_TRY(register_claims(request.folder, request.plan));
   SPOOL_TRY(write_text_file(request.folder / "plan.toml", plan_text(request.plan), true, true));
   SPOOL_TRY(merge_folders(request, others, store));
-  SPOOL_ASSIGN(std::vector<bool> chosen, chosen_cells(request, named));
-  const bool prepares = request.only && request.only->empty();  // for all cells, made elsewhere
   if (!request.merge)
-    SPOOL_TRY(check_input_files(request.folder, request.plan, named,
-                                prepares ? std::vector(named.size(), true) : chosen,
+    SPOOL_TRY(check_input_files(request.folder, request.plan, named, wanted,
                                 request.only && !prepares ? nullptr : &store));
   PlanRun run(request, common, std::move(named), std::move(chosen), std::move(store));
   if (!request.merge) SPOOL_TRY(run.run());

@@ -56,6 +56,11 @@ Result<void> check_alike(const PlanScene& scene, const std::string& other, const
   return {};
 }
 
+// What --force does: a shard or a merge leaves what others made.
+bool starts_anew(const RunRequest& request) {
+  return !request.shard && (!request.only || request.only->empty()) && !request.merge;
+}
+
 }  // namespace
 
 NamedCells::NamedCells(const Plan& plan) : cells_(plan), order_(cells_.size()) {
@@ -152,8 +157,7 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
   const fs::path& folder = request.folder;
   std::error_code status;
   const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
-  // What --force does: a shard or a merge leaves what others made.
-  const bool anew = !request.shard && (!request.only || request.only->empty()) && !request.merge;
+  const bool anew = starts_anew(request);
   if (force && anew) {
     SPOOL_TRY(CellStore::remove_all(folder));
     for (const char* name : {"dumps.json", "inputs.json", "manifest.json", "results.csv",
@@ -175,6 +179,21 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
   SPOOL_TRY(CellStore::create(folder));
   sweep(folder, is_part(request) ? kAgeBesideShards : std::chrono::seconds(0));
   return store;
+}
+
+Result<void> check_times(const RunRequest& request, const NamedCells& named,
+                         const std::vector<bool>& wanted, const CellStore& store) {
+  if (!request.exact_timing || request.merge) return {};
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    if (!wanted[i]) continue;
+    const auto record = store.read(named.id(i), named.cell(i));
+    if (!record || record->failed() || record->text("timing") != "shared") continue;
+    return fail(ErrorCode::kUsage,
+                "--timing exact: results in {} were timed beside others: choose another folder{}",
+                request.folder.string(),
+                starts_anew(request) ? " or give --force to make them anew" : "");
+  }
+  return {};
 }
 
 }  // namespace spool::tools

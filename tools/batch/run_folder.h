@@ -54,4 +54,9 @@ std::size_t count_others(const CellStore& store, const NamedCells& named);
 // touched (kUsage).
 Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& named, bool force);
 
+// With exact timing, kUsage where a wanted result that is there was timed beside others: it would
+// stay.
+Result<void> check_times(const RunRequest& request, const NamedCells& named,
+                         const std::vector<bool>& wanted, const CellStore& store);
+
 }  // namespace spool::tools
