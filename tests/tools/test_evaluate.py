@@ -3,6 +3,7 @@ import fcntl
 import json
 import math
 import os
+import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -154,6 +155,40 @@ def test_images_are_kept_and_pictures_drawn_when_asked_for(good, run, dump, tmp_
     run("picture", out / "scene_reference.exr").failed_with(2, "is no folder of results", "-o PICTURE.png")
     (out / "scene_uniform_box_4spp" / "estimate.exr").write_bytes(kept["scene_uniform_box_4spp/estimate.exr"][:500])
     run("picture", "out").failed_with(4, "scene_uniform_box_4spp/estimate.exr")
+
+
+def test_force_takes_images_and_pictures_of_earlier_results_and_no_file_of_the_user(good, run, dump, tmp_path):
+    """Report and figure showed them beside the new numbers."""
+    words = ("evaluate", dump, "--filters", "box,directional", "--spp", 4, "--replicates", 1)
+    out = tmp_path / "out"
+    own = {out / name for name in ("scene_uniform_box_4spp/mine.exr", "scene_uniform_box_4spp/estimate.txt", "mine/estimate.exr", "scene.png")}
+
+    def made_before():
+        good(*words, "--reference", "leave_selected_out", "-o", "out")
+        good("picture", "out")
+        for path in own:
+            path.parent.mkdir(exist_ok=True)
+            path.write_bytes(b"mine")
+        assert (out / "scene_uniform_directional_4spp" / "reference.exr").exists() and (out / "scene_uniform_directional_4spp.png").exists()
+
+    def images():
+        return {path for path in out.rglob("*") if path.suffix in (".exr", ".png", ".txt")}
+
+    made_before()
+    (out / "manifest-shard-0-of-2.json").write_text('{"shard": "0/2"}')
+    good("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "-o", "out", "--force")  # by fewer methods
+    assert "shards" not in json.loads((out / "manifest.json").read_text())
+    assert images() == own and all(path.read_bytes() == b"mine" for path in own)
+    good(*words, "-o", "out", "--force")
+    made_before_again = images()
+    assert not list(out.glob("*/reference.exr")) and (out / "scene_reference.exr").exists()
+    # A kill after the first of what goes: nothing is taken for new, and the rest goes with the next --force.
+    shutil.rmtree(out / "cells")
+    run(*words, "--no-pictures", "-o", "out").failed_with(2, "holds no results that could be continued", "--force")
+    assert images() == made_before_again
+    (out / "plan.toml").write_text("of another program")
+    good(*words, "--no-pictures", "-o", "out", "--force")
+    assert images() == own
 
 
 def test_pictures_are_those_drawn_at_once(good, dump, tmp_path):

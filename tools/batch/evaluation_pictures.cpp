@@ -79,7 +79,7 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
                 images.reconstruction, images.selection.statistics.n, &images.reference);
   if (!result.metrics.flip.empty()) kept.flip = result.metrics.flip;
   const std::string stem = stem_of(cell);
-  remove_pictures(folder_, stem);
+  remove_images(folder_, stem);
   std::error_code status;
   std::filesystem::create_directories(folder_ / stem, status);
   SPOOL_TRY(write_reference(result, images, stem));
@@ -89,7 +89,28 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
 }
 
 void EvaluationPictures::remove(const Cell& cell) const {
-  remove_pictures(folder_, stem_of(cell), Removed::kNumbersToo);
+  remove_images(folder_, stem_of(cell));
+}
+
+void EvaluationPictures::remove_all(const Plan& plan) const {
+  std::error_code status;
+  for (const std::string& dump : plan.recordings) {
+    std::filesystem::remove(reference_of(dump), status);
+    for (const double spp : plan.spp) {
+      std::filesystem::remove(sheet_of(dump, spp), status);
+      for (const MethodChoice& sampler : plan.samplers)
+        for (const MethodChoice& filter : plan.filters)
+          remove({dump, sampler, filter, spp});
+    }
+  }
+}
+
+std::filesystem::path EvaluationPictures::reference_of(const std::string& dump) const {
+  return folder_ / (dump_names_.at(dump) + "_reference.exr");
+}
+
+std::filesystem::path EvaluationPictures::sheet_of(const std::string& dump, double spp) const {
+  return folder_ / fmt::format("{}_{:g}spp.png", dump_names_.at(dump), spp);
 }
 
 // Every result has its own reference where that is made of the samples it did not take.
@@ -97,8 +118,7 @@ Result<void> EvaluationPictures::write_reference(const CellResult& result, const
                                                  const std::string& stem) {
   const bool own = result.reference == ReferenceKind::kLeaveSelectedOut;
   if (!own && !referenced_.insert(result.cell.dump).second) return {};
-  return write_exr(own ? folder_ / stem / "reference.exr"
-                       : folder_ / (dump_names_.at(result.cell.dump) + "_reference.exr"),
+  return write_exr(own ? folder_ / stem / "reference.exr" : reference_of(result.cell.dump),
                    exr_from_rgb(images.reference.mean), {.overwrite = true, .shared = true});
 }
 
@@ -113,7 +133,7 @@ Result<std::string> EvaluationPictures::write_sheets(
     }
     const std::string& dump = dump_names_.at(sheet.first->dump);
     std::filesystem::path reference = folder_ / stem_of(*sheet.first) / "reference.exr";
-    if (!std::filesystem::exists(reference)) reference = folder_ / (dump + "_reference.exr");
+    if (!std::filesystem::exists(reference)) reference = reference_of(sheet.first->dump);
     const Result<RgbImage> judge = read_rgb(reference);
     if (!judge) continue;  // pictures were switched off when these cells ran
     const double exposure = tone_exposure(*judge);
@@ -125,7 +145,7 @@ Result<std::string> EvaluationPictures::write_sheets(
           {fmt::format("{} + {}", result->cell.sampler.label(), result->cell.filter.label()),
            tone_map(*image, exposure), Caption{fmt::format("relMSE {:.3g}", result->relmse)}});
     }
-    const auto path = folder_ / fmt::format("{}_{:g}spp.png", dump, sheet.first->spp);
+    const auto path = sheet_of(sheet.first->dump, sheet.first->spp);
     const std::string heading = fmt::format("{}  {:g} sample{} per pixel", dump, sheet.first->spp,
                                             sheet.first->spp == 1.0 ? "" : "s");
     SPOOL_TRY(write_png(path, contact_sheet(heading, panels), true, true));

@@ -34,12 +34,17 @@ class EvaluationPictures {
   // Of an earlier run, where the result of this one failed.
   void remove(const Cell& cell) const;
 
+  // Of all results that `plan` has, their references and sheets. No file of another name.
+  void remove_all(const Plan& plan) const;
+
   // Writes DUMP_SPPspp.png for every recording and budget from the images in the folder: reference
   // and all estimates side by side. Sheets of more than 24 estimates are left out. Returns where
   // they are, and that some are left out, in one line; empty where there are no results.
   Result<std::string> write_sheets(const std::vector<PicturedResult>& results) const;
 
  private:
+  std::filesystem::path reference_of(const std::string& dump) const;
+  std::filesystem::path sheet_of(const std::string& dump, double spp) const;
   Result<void> write_reference(const CellResult& result, const CellImages& images,
                                const std::string& stem);
 

@@ -144,15 +144,16 @@ ExrAttributes image_attributes(const std::string& title, double spp, const std::
   return {{{kTitle, title}, {kRecording, recording}}, {{kBudget, spp}}};
 }
 
-void remove_pictures(const fs::path& folder, const std::string& stem, Removed removed) {
+void remove_images(const fs::path& folder, const std::string& stem) {
   std::error_code status;
   fs::remove(folder / (stem + ".png"), status);
-  for (const auto& entry : fs::directory_iterator(folder / stem, status)) {
-    std::error_code none;
-    const fs::path kind = entry.path().extension();
-    if (kind == ".png" || (kind == ".exr" && removed == Removed::kNumbersToo))
-      fs::remove(entry.path(), none);
+  // The estimate last: by it a result is known to have images.
+  for (const std::string name :
+       {"reference", "density", "filter_size", "direction", "squared_error", "flip", "estimate"}) {
+    for (const char* kind : {".png", ".exr"})
+      fs::remove(folder / stem / (name + kind), status);
   }
+  fs::remove(folder / stem, status);  // where it is empty
 }
 
 Result<std::size_t> draw_pictures(const fs::path& folder, const CommonOptions& common) {

@@ -17,10 +17,8 @@ namespace spool::tools {
 // recording, by the name that its reference NAME_reference.exr has beside the folders of results.
 ExrAttributes image_attributes(const std::string& title, double spp, const std::string& recording);
 
-// Removes the pictures of an earlier image of the result `stem`, or that image, too.
-enum class Removed { kPictures, kNumbersToo };
-void remove_pictures(const std::filesystem::path& folder, const std::string& stem,
-                     Removed removed = Removed::kPictures);
+// Removes the images and pictures of the result `stem`. Other files in its folder are the user's.
+void remove_images(const std::filesystem::path& folder, const std::string& stem);
 
 // Draws every result in `folder`, and maps that are not kept; returns how many. kData where there
 // is none, or where the images of one do not belong together.

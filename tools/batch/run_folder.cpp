@@ -10,6 +10,7 @@
 #include "formats/temporary_file.h"
 #include "lib/experiment/plan_reader.h"
 #include "tools/batch/evaluation_pictures.h"
+#include "tools/batch/run_manifest.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/replicate_images.h"
 
@@ -53,6 +54,23 @@ Result<void> check_alike(const PlanScene& scene, const std::string& other, const
     return std::string(r.find_layer("reference") ? "has a reference of its own" : "has none");
   };
   if (!plan.experiment.reference && judged(a) != judged(b)) return differ(judged(a), judged(b));
+  return {};
+}
+
+// What evaluations wrote, and nothing else. Cells go first: a folder without them is not gone on
+// with, so that nothing old is taken for new where this is killed. Pictures of `plan`, too: the
+// plan that made them may be gone, and they would be shown beside its results.
+Result<void> remove_results(const fs::path& folder, const Plan& plan) {
+  SPOOL_TRY(CellStore::remove_all(folder));
+  std::error_code status;
+  for (const char* name : {"dumps.json", "inputs.json", "manifest.json", "results.csv",
+                           "results.jsonl", "statistics.json"})
+    fs::remove(folder / name, status);
+  for (const fs::path& shard : shard_manifests(folder))
+    fs::remove(shard, status);
+  if (const auto earlier = kept_plan(folder))
+    EvaluationPictures(folder, earlier->recordings).remove_all(*earlier);
+  EvaluationPictures(folder, plan.recordings).remove_all(plan);
   return {};
 }
 
@@ -159,10 +177,7 @@ Result<CellStore> prepare_folder(const RunRequest& request, const NamedCells& na
   const bool empty = !fs::exists(folder, status) || fs::is_empty(folder, status);
   const bool anew = starts_anew(request);
   if (force && anew) {
-    SPOOL_TRY(CellStore::remove_all(folder));
-    for (const char* name : {"dumps.json", "inputs.json", "manifest.json", "results.csv",
-                             "results.jsonl", "statistics.json"})
-      fs::remove(folder / name, status);
+    SPOOL_TRY(remove_results(folder, request.plan));
   } else if (!empty && !CellStore::is_in(folder)) {
     return fail(ErrorCode::kUsage,
                 "{}: exists and holds no results that could be continued: choose another name{}",

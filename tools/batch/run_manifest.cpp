@@ -2,7 +2,6 @@
 
 #include <fstream>
 #include <iterator>
-#include <set>
 #include <thread>
 
 #include <fmt/chrono.h>
@@ -108,14 +107,8 @@ ordered_json plan_json(const Plan& plan) {
 }
 
 ordered_json read_shards(const std::filesystem::path& folder) {
-  std::set<std::filesystem::path> paths;
-  std::error_code status;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, status)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with("manifest-shard-") && name.ends_with(".json")) paths.insert(entry.path());
-  }
   ordered_json shards = ordered_json::array();
-  for (const std::filesystem::path& path : paths) {
+  for (const std::filesystem::path& path : shard_manifests(folder)) {
     auto shard = format::parse_json_file<ordered_json>(path);
     if (!shard.is_object()) continue;
     shard.erase("plan");
@@ -133,6 +126,16 @@ ordered_json earlier_runs(const std::filesystem::path& folder) {
 }
 
 }  // namespace
+
+std::set<std::filesystem::path> shard_manifests(const std::filesystem::path& folder) {
+  std::set<std::filesystem::path> paths;
+  std::error_code status;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, status)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("manifest-shard-") && name.ends_with(".json")) paths.insert(entry.path());
+  }
+  return paths;
+}
 
 Result<void> write_manifest(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
                             std::chrono::system_clock::time_point started) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
+#include <set>
 #include <vector>
 
 #include "lib/core/error.h"
@@ -17,5 +19,7 @@ namespace spool::tools {
 // the folder.
 Result<void> write_manifest(const RunRequest& request, const std::vector<DumpIdentity>& dumps,
                             std::chrono::system_clock::time_point started);
+
+std::set<std::filesystem::path> shard_manifests(const std::filesystem::path& folder);
 
 }  // namespace spool::tools
