@@ -132,6 +132,26 @@ def test_what_was_judged_differently_is_not_compared(run, good, evaluate):
     good("compare", own, "pool", "--metric", "cpu", "--tolerance", 100)  # times are not judged
 
 
+def test_another_picture_of_the_same_file_name_is_not_compared(run, good, tmp_path):
+    def results(folder, scene, size=32, seed=1):
+        (tmp_path / folder).mkdir()
+        good("synth", scene, "--size", size, "--samples", 16, "--seed", seed, "-o", f"{folder}/s.spool")
+        good("evaluate", f"{folder}/s.spool", "--samplers", "uniform", "--filters", "box", "--spp", 4, "--no-pictures", "-o", f"r{folder}")
+        return f"r{folder}"
+
+    own = results("own", "scene_s")
+    for other, why in [(results("size", "scene_s", 20), "32 x 32 pixels before, 20 x 20 pixels after"),
+                       (results("scene", "fireflies"), "of scene_s before, fireflies after")]:
+        for metric in ("relmse", "cpu"):
+            finished = run("compare", own, other, "--metric", metric)
+            finished.failed_with(1, "0 worse", "1 judged differently")
+            assert f"Judged differently, not compared: 1: by another recording: {why}." in " ".join(finished.out.split())
+    (tmp_path / "scene" / "s.spool").unlink()  # the results alone tell the references apart
+    assert "reference of mean luminance 0.5" in run("compare", own, "rscene").out
+    again = good("compare", own, results("again", "scene_s", seed=2), "--json").json["comparisons"]
+    assert [(c["paired"], c["verdict"]) for c in again] == [(False, "undecided")]
+
+
 def test_claims_of_one_text_stay_two(good, evaluate):
     claim = '[[claim]]\ntext = "x"\nmetric = "mse"\nspp = [8]\nbetter = "uniform + {}"\nthan = "uniform + {}"\n'
     a = evaluate("a", plan=PLAN.replace("{seed}", "1") + claim.format("gaussian", "box") + claim.format("box", "gaussian"))

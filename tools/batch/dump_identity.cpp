@@ -6,6 +6,7 @@
 #include "formats/bounded_json.h"
 #include "formats/interchange/sha256.h"
 #include "lib/image_io/atomic_file.h"
+#include "tools/batch/dump_meta.h"
 
 namespace spool::tools {
 namespace {
@@ -34,6 +35,17 @@ bool same_recording(DumpIdentity a, DumpIdentity b) {
   find_sha256(a);
   find_sha256(b);
   return !a.sha256.empty() && a.sha256 == b.sha256;
+}
+
+std::string scene_name(const DumpIdentity& dump) {
+  if (!is_unchanged(dump)) return "";
+  const auto reader = format::SpoolReader::open(dump.path);
+  if (!reader) return "";
+  const ordered_json meta = merged_meta(*reader);
+  if (!meta.is_object() || !meta.contains("scene")) return "";
+  const ordered_json& scene = meta["scene"];
+  const ordered_json& name = scene.is_object() && scene.contains("name") ? scene["name"] : scene;
+  return name.is_string() ? name.get<std::string>() : "";
 }
 
 Result<std::vector<DumpIdentity>> known_dumps(const fs::path& folder) {

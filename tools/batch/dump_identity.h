@@ -25,6 +25,8 @@ Result<std::vector<DumpIdentity>> identify_dumps(const std::vector<std::string>&
 // Whether two recordings are one: by their indices, else by their whole files, of which one that is
 // not known is read where it lies unchanged.
 bool same_recording(DumpIdentity a, DumpIdentity b);
+// As the recording calls it; empty where it does not, or no longer lies unchanged.
+std::string scene_name(const DumpIdentity& dump);
 // Those of `folder`; empty where there is no dumps.json, kData where it has values of other types.
 Result<std::vector<DumpIdentity>> known_dumps(const std::filesystem::path& folder);
 // kUsage when `folder`, of results, names a recording of the same file name and other contents:

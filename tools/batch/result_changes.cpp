@@ -66,6 +66,41 @@ std::string judge_of(const ResultRecord& record, const Plan& plan) {
   return text + set_options(metric_option_table(), plan.experiment.metrics);
 }
 
+Picture picture_of(const ResultRecord& record) {
+  Picture picture;
+  if (!record.text("width").empty())
+    picture.size = fmt::format("{} x {} pixels", record.text("width"), record.text("height"));
+  if (record.text("reference") == reference_name(ReferenceKind::kIndependent))
+    picture.light = 1.0 / record.number("relative_scale");
+  return picture;
+}
+
+// In what two recordings of one name are not of the same picture; empty: in nothing known. The
+// noise of references moves their mean by less than kSameLight.
+std::string other_picture(const DumpIdentity& a, const DumpIdentity& b, const Picture& before,
+                          const Picture& after) {
+  constexpr double kSameLight = 1.05;
+  if (same_recording(a, b)) return "";
+  if (!before.size.empty() && !after.size.empty() && before.size != after.size)
+    return fmt::format("another recording: {} before, {} after", before.size, after.size);
+  if (const std::string first = scene_name(a), second = scene_name(b);
+      !first.empty() && !second.empty() && first != second) {
+    return fmt::format("another recording: of {} before, {} after", first, second);
+  }
+  if (std::abs(std::log(after.light / before.light)) > std::log(kSameLight)) {
+    return fmt::format("another recording: reference of mean luminance {:.4g} before, {:.4g} after",
+                       before.light, after.light);
+  }
+  return "";
+}
+
+std::string other_picture(const ResultFolder& a, const ResultFolder& b, const Combination& before,
+                          const Combination& after) {
+  const auto first = a.dumps.find(before.files.front()), second = b.dumps.find(after.files.front());
+  if (first == a.dumps.end() || second == b.dumps.end()) return "";
+  return other_picture(first->second, second->second, before.picture, after.picture);
+}
+
 Series series_of(const MethodResults& results, const std::string& metric) {
   if (metric != kCpuTime) return results.series(quantity_index(metric));
   Series sum = results.series(quantity_index("cpu_sampling"));
@@ -84,11 +119,15 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
   for (const DumpIdentity& dump : dumps)
     folder.dumps[dump.path.filename().string()] = dump;
   SPOOL_ASSIGN(const CellStore store, CellStore::open(path));
-  std::string judged;  // of the scene's first result
+  std::string judged;  // of the scene's first result, as is the picture
+  Picture picture;
   StudySources sources = study_sources(store, folder.plan);
   sources.read = [&, read = std::move(sources.read)](const Cell& cell) {
     Result<ResultRecord> record = read(cell);
-    if (judged.empty() && record && !record->failed()) judged = judge_of(*record, folder.plan);
+    if (judged.empty() && record && !record->failed()) {
+      judged = judge_of(*record, folder.plan);
+      picture = picture_of(*record);
+    }
     return record;
   };
   for (const PlanScene& scene : scenes_of(folder.plan)) {
@@ -96,6 +135,7 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
     for (const std::string& recording : scene.recordings)
       files.push_back(fs::path(recording).filename().string());
     judged.clear();
+    picture = {};
     SceneMethods found = read_scene(folder.plan, scene, sources);
     const int wanted = folder.plan.replicates * static_cast<int>(files.size());
     for (std::size_t b = 0; b < folder.plan.spp.size(); ++b) {
@@ -113,7 +153,7 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
                         "setting of each method, or match by label",
                         path.string(), place->second.key, shown);
           }
-          place->second = {shown, std::move(method), files, judged, wanted};
+          place->second = {shown, std::move(method), files, judged, picture, wanted};
         }
       }
     }
@@ -135,6 +175,8 @@ Change compare_one(const ResultFolder& a, const ResultFolder& b, const Combinati
   change.biased = before.results.biased || after.results.biased;
   change.before = mean_interval(first, range).mean;
   change.after = mean_interval(second, range).mean;
+  change.judged_differently = other_picture(a, b, before, after);
+  if (!change.judged_differently.empty()) return change;
   const bool known = !before.judged.empty() && !after.judged.empty();
   if (metric != kCpuTime && known && before.judged != after.judged) {
     change.judged_differently = fmt::format("{} before, {} after", before.judged, after.judged);

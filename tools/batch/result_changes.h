@@ -1,6 +1,7 @@
 // What changed between two folders of results, and whether it is more than the noise.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -21,13 +22,20 @@ inline constexpr const char* kCpuTime = "cpu";
 // their names alone; options count in labels only.
 enum class MatchBy { kLabel, kPreset, kName };
 
+// What a recording is of, as far as its results say it: another seed leaves this as it is.
+struct Picture {
+  std::string size;    // empty: not known, of an older program
+  double light = NAN;  // mean luminance of a recorded reference
+};
+
 // One scene, budget, number of threads, sampler and filter in one folder.
 struct Combination {
   std::string key;  // as it is printed
   MethodResults results;
   std::vector<std::string> files;  // names of the scene's recordings
   std::string judged;              // by what: reference, samples held out, options
-  int wanted = 0;                  // replicates
+  Picture picture;
+  int wanted = 0;  // replicates
 
   int missing() const { return wanted - results.done - results.failed; }
 };
