@@ -249,6 +249,18 @@ def test_no_cell_of_the_curves_begins_like_a_formula(small_folder, tmp_path, gro
     assert list(read(tmp_path / "f" / "curves.csv")[0]) == [group]
 
 
+def test_each_number_of_threads_has_its_figure(tmp_path):
+    (tmp_path / "p.toml").write_text('recordings = ["s.spool"]\nspp = [2]\nthreads = [1, 2]\nreplicates = 2\nsamplers = ["uniform"]\n'
+                                     'filters = ["box"]\n')
+    for words in (["synth", "scene_s", "--size", "24", "--samples", "8", "-o", "s.spool"], ["evaluate", "p.toml", "-o", "r", "-q"]):
+        subprocess.run([PROGRAM, *words], cwd=tmp_path, check=True, capture_output=True)
+    assert main([str(tmp_path / "r"), "-o", str(tmp_path / "f")]) == 0
+    names = {path.name for path in (tmp_path / "f").glob("comparison*.pdf")}
+    assert names == {"comparison.pdf", "comparison_s__1_threads.pdf", "comparison_s__2_threads.pdf"}
+    captions = (tmp_path / "f/captions.tex").read_text()
+    assert "caption{s [1 threads] and s [2 threads] at" in captions and "{comparison_s__2_threads.pdf}" in captions
+
+
 def test_a_plan_is_evaluated_first(tmp_path):
     def run(*words):
         return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=300,

@@ -39,6 +39,7 @@ class FigureFolder:
 
     def file(self, name):
         """Where to write the file that gets this name; nothing is replaced unasked."""
+        assert name not in self.names, f"{name}: written twice"  # else renamed twice, after others appeared
         target = self.path / name
         if os.path.lexists(target) and (not self.force or (target.is_dir() and not target.is_symlink())):
             raise Failure(f"{target}: exists: choose another folder" + ("" if self.force else " or give --force"), USAGE)

@@ -77,17 +77,22 @@ class FigureSet:
                 + ("" if any(curves) else "; no mean above zero, so no curves") + self.statistics.warning())
 
     def _comparisons(self, folder):
-        """Captions of one figure for each recording, and of those with several as rows."""
-        names = numbered({dump: f"comparison_{file_name_of(label)}" for dump, label in self.labels.items()})
+        """Captions of one figure for each recording and number of threads, and of those with several as rows."""
+        names = numbered({(c["dump"], c["threads"]): f"comparison_{file_name_of(self._label(c))}" for c in self.conditions})
         shown = [c for c in self.conditions if not self.options.recording or self.labels[c["dump"]] in self.options.recording]
         blocks = [(c, block) for c, block in ((c, self._block(c)) for c in shown) if block]
-        captions = [self._comparison(folder, names[c["dump"]], [(c, block)]) for c, block in blocks]
+        captions = [self._comparison(folder, names[c["dump"], c["threads"]], [(c, block)]) for c, block in blocks]
         if len(blocks) > 1:
             most = MOST_ROWS[self.options.column or 2]
             for start in range(0, len(blocks), most):
                 name = "comparison" + (f"-{start // most + 1}" if start else "")
                 captions.append(self._comparison(folder, name, blocks[start:start + most]))
         return captions
+
+    def _label(self, condition):
+        """Its recording; where numbers of threads are swept over, they too."""
+        swept = len({c["threads"] for c in self.conditions}) > 1
+        return self.labels[condition["dump"]] + (f" [{condition['threads']:g} threads]" if swept else "")
 
     def _block(self, condition):
         """The pictures of one recording; None where there are none to compare."""
@@ -105,7 +110,7 @@ class FigureSet:
                 lines.append(f"[{significant(value.low)}, {significant(value.high)}]")
             panels[place] = Shown(method, lines, alone and entry is condition["ranking"][0], paths)
         label = self.labels[condition["dump"]]
-        return Block(label, panels, self.crops.get(label) or self.crops.get("")) if panels else None
+        return Block(self._label(condition), panels, self.crops.get(label) or self.crops.get("")) if panels else None
 
     def _comparison(self, folder, name, rows):
         conditions, blocks = [c for c, _ in rows], [block for _, block in rows]
