@@ -26,28 +26,42 @@ Comparison compared(const Claim& claim, const std::vector<MethodResults>& method
   return compare_paired(series(*better), series(*than), better_of(claim.metric));
 }
 
+// An error does not depend on the number of threads: it is asked of once.
+bool asked(const Claim& claim, const Plan& plan, const StudyPlace& place) {
+  return claim.asks(place.spp, place.threads) &&
+         (is_time(claim.metric) || claim.threads > 0 || place.threads == plan.threads.front());
+}
+
 }  // namespace
 
-PlaceClaims claims_at(const Plan& plan, const StudyPlace& place, std::size_t budget,
-                      const SceneMethods& methods) {
+std::vector<PlaceClaims> claims_at(const Plan& plan, const PlanScene& scene, std::size_t budget,
+                                   const SceneMethods& methods) {
   const auto with = [&](int threads) -> const std::vector<MethodResults>& {
     const auto at = std::ranges::find(plan.threads, threads) - plan.threads.begin();
     return methods[static_cast<std::size_t>(at)][budget];
   };
+  std::vector<PlaceClaims> found;
   std::vector<Comparison> comparisons;
   std::vector<double> below;
-  for (const Claim& claim : plan.claims) {
-    if (!claim.asks(place.spp, place.threads)) continue;
-    const int than = claim.than_threads > 0 ? claim.than_threads : place.threads;
-    comparisons.push_back(compared(claim, with(place.threads), with(than)));
-    below.push_back(claim.below);
+  for (const int threads : plan.threads) {
+    const StudyPlace at{scene.recordings.front(), plan.spp[budget], threads, scene.group};
+    PlaceClaims& place = found.emplace_back(
+        PlaceClaims{at, {}, std::ranges::any_of(with(threads), &MethodResults::biased)});
+    for (const Claim& claim : plan.claims) {
+      place.judged.emplace_back();
+      if (!asked(claim, plan, at)) continue;
+      place.judged.back().emplace();
+      const int than = claim.than_threads > 0 ? claim.than_threads : threads;
+      comparisons.push_back(compared(claim, with(threads), with(than)));
+      below.push_back(claim.below);
+    }
   }
   const std::vector<JudgedClaim> judged = judge_claims(comparisons, below);
-  PlaceClaims found{place, {}, std::ranges::any_of(with(place.threads), &MethodResults::biased)};
   auto next = judged.begin();
-  for (const Claim& claim : plan.claims)
-    found.judged.push_back(claim.asks(place.spp, place.threads) ? std::optional(*next++)
-                                                                : std::nullopt);
+  for (PlaceClaims& place : found) {
+    for (std::optional<JudgedClaim>& claim : place.judged)
+      if (claim) claim = *next++;
+  }
   return found;
 }
 

@@ -10,14 +10,15 @@
 
 namespace spool {
 
-// All claims at one place, of the plan's budget of this index.
+// All claims at one place.
 struct PlaceClaims {
   StudyPlace place;
   std::vector<std::optional<JudgedClaim>> judged;  // [claim of the plan]; none: it does not ask
   bool biased = false;                             // a method of it
 };
-PlaceClaims claims_at(const Plan& plan, const StudyPlace& place, std::size_t budget,
-                      const SceneMethods& methods);
+// At the plan's budget of this index, for each number of threads: one family.
+std::vector<PlaceClaims> claims_at(const Plan& plan, const PlanScene& scene, std::size_t budget,
+                                   const SceneMethods& methods);
 
 // One claim: its words, its verdict over all places, and the places.
 struct ClaimFinding {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -190,12 +191,8 @@ Study study_of(const Plan& plan, const StudySources& sources) {
   std::vector<std::vector<SceneSummary>> scenes(plan.threads.size());
   for (const PlanScene& scene : study.scenes) {
     SceneMethods methods = read_scene(plan, scene, sources);
-    for (const int threads : plan.threads) {
-      for (std::size_t b = 0; b < plan.spp.size(); ++b) {
-        const StudyPlace place{scene.recordings.front(), plan.spp[b], threads, scene.group};
-        places.push_back(claims_at(plan, place, b, methods));
-      }
-    }
+    for (std::size_t b = 0; b < plan.spp.size(); ++b)
+      std::ranges::move(claims_at(plan, scene, b, methods), std::back_inserter(places));
     for (std::size_t t = 0; t < plan.threads.size(); ++t) {
       const SceneStudy found(plan, scene, plan.threads[t], std::move(methods[t]));
       found.add_findings(study);

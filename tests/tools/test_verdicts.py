@@ -239,6 +239,27 @@ def test_results_without_halves_say_that_the_spread_is_assumed(good, tmp_path, d
     assert "assumed" not in text
 
 
+def test_a_claim_about_errors_counts_once_whatever_the_threads(good, tmp_path):
+    good("synth", "scene_s", "--size", 24, "--samples", 8, "-o", "a.spool")
+    plan = 'recordings = ["a.spool"]\nspp = [4]\nreplicates = 4\nthreads = {}\npictures = false\nsamplers = ["uniform"]\nfilters = ["box", "gaussian"]\n'
+    for metric in ("mse", "seconds_filtering"):
+        plan += f'[[claim]]\nbetter = "uniform + gaussian"\nthan = "uniform + box"\ntext = "{metric}"\nmetric = "{metric}"\n'
+    found, said = {}, {}
+    for threads in ("[1, 2]", "[1]"):
+        (tmp_path / "p.toml").write_text(plan.format(threads))
+        said[threads] = good("evaluate", "p.toml", "-o", "r" + threads).out
+        claims = json.loads((tmp_path / ("r" + threads) / "statistics.json").read_text())["claims"]
+        found[threads] = [[{k: v for k, v in place.items() if k != "p"} for place in claim["places"]] for claim in claims]
+    errors, times = found["[1, 2]"]
+    assert errors == found["[1]"][0] and len(errors) == 1
+    assert [place["threads"] for place in times] == [1, 2]
+    assert "a 4 spp: " in said["[1, 2]"] and "a 4 spp, 1 thread: " in said["[1, 2]"] and "a 4 spp, 2 threads: " in said["[1, 2]"]
+    good("figure", "r[1, 2]", "-o", "f")
+    assert "- a, 4 spp, 2 threads: " in (tmp_path / "f/table.md").read_text()
+    good("report", "r[1, 2]", "-o", "r.html")
+    assert "a, 2 threads</th>" in (tmp_path / "r.html").read_text()
+
+
 def test_a_claim_compares_times_over_threads(good, tmp_path):
     """Two threads against one, of the same method; of a machine that other results shared it says nothing."""
     made(tmp_path / "a.spool", 1)

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
 #include "lib/experiment/reference.h"
 #include "tools/batch/shown_results.h"
@@ -34,10 +35,13 @@ std::string claims_text(const std::vector<ClaimFinding>& claims) {
     for (const auto& [place, judged, biased] : finding.places) {
       const Interval ratio = judged.comparison.ratio();
       const bool known = std::isfinite(ratio.low) && std::isfinite(ratio.high);
-      text +=
-          fmt::format("  {} {:g} spp: {}{}\n", visible_text(shown_scene(place)), place.spp,
-                      claim_verdict_name(judged.verdict),
-                      known ? " " + ratio_text(ratio) : withheld_text(judged.comparison.withheld));
+      text += fmt::format(
+          "  {} {:g} spp{}: {}{}\n", visible_text(shown_scene(place)), place.spp,
+          is_time(finding.claim.metric) && place.threads > 0
+              ? fmt::format(", {}", counted(static_cast<std::uint64_t>(place.threads), "thread"))
+              : "",
+          claim_verdict_name(judged.verdict),
+          known ? " " + ratio_text(ratio) : withheld_text(judged.comparison.withheld));
     }
   }
   return text.empty() ? text : text + "\n";

@@ -9,7 +9,7 @@ from tools.report.figure_text import breakable, latex, printable, significant
 from tools.report.metric_names import BIASED
 from tools.report.number_text import samples_text
 from tools.report.statistics_file import Interval, best_is_alone, interval_of
-from tools.report.summary import late_text, name_of, unjudged, verdict_text
+from tools.report.summary import late_text, name_of, threads_text, unjudged, verdict_text
 
 MOST_LINES = 34  # of a table that fits into a column
 BOLD = "the best, separated from every other method that is compared"
@@ -103,7 +103,7 @@ def claim_rows(claims, labels):
     rows = []
     for claim in claims:
         rows.append((claim["text"] + late_text(claim), "", claim["verdict"], Interval()))
-        rows += [("", f"{labels.get(place['dump'], place['dump'])}, {place['spp']:g} spp",
+        rows += [("", f"{labels.get(place['dump'], place['dump'])}, {place['spp']:g} spp{threads_text(claim, place)}",
                   verdict_text(place), interval_of(place.get("ratio"))) for place in claim["places"]]
     return rows
 

@@ -9,7 +9,7 @@ from tools.report.metric_names import metric_name
 from tools.report.number_text import interval_text, known_text, number_text
 from tools.report.page import licences_html, scrolled_table
 from tools.report.statistics_file import interval_of
-from tools.report.summary import late_text, leading, said_text, verdict_text, verdicts
+from tools.report.summary import late_text, leading, said_text, threads_text, verdict_text, verdicts
 
 LONGEST_VERDICTS = 60
 
@@ -35,7 +35,7 @@ def _claim(claim):
     asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
              + ("; {} threads against {}".format(*claim["threads"]) if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
     counts = ", ".join(f"{count} {verdict}" for verdict, count in claim["counts"].items())
-    rows = (f'<tr><th scope="row">{escape(PurePath(place["dump"]).stem)}</th>'
+    rows = (f'<tr><th scope="row">{escape(PurePath(place["dump"]).stem + threads_text(claim, place))}</th>'
             f'<td class="number">{place["spp"]:g}</td><td class="number">{known_text(interval_of(place.get("ratio")))}</td>'
             f'<td>{escape(verdict_text(place))}</td></tr>'
             for place in claim["places"])

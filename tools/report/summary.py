@@ -97,6 +97,12 @@ def unjudged(entry):
     return entry.get("withheld") or ("" if entry["compared"] else "not compared")
 
 
+def threads_text(claim, place):
+    """Of a claim about times at one place."""
+    threads = place.get("threads", 0) if claim["metric"].startswith("seconds_") else 0
+    return f", {count_text(threads, 'thread')}" if threads else ""
+
+
 def late_text(claim):
     """Of a claim: whether it was there before the results."""
     return " (added after results)" if claim.get("after_results") else ""
