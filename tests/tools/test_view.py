@@ -1,6 +1,7 @@
 """`spool view`: what it answers, and to whom."""
 
 import contextlib
+import csv
 import json
 import os
 import signal
@@ -171,6 +172,25 @@ def test_results_serve_their_report_and_only_methods_of_the_program(good, scene,
         estimate = exr.read(tmp_path / "r" / "s_multiscale_directional_4spp" / "estimate.exr")
         np.testing.assert_allclose(planes["estimate"][..., 1], estimate["G"], rtol=1e-6)
         assert not (tmp_path / "ran").exists()
+    finally:
+        assert server.end()[0] == 130
+
+
+@pytest.mark.parametrize("options", [["--set", "pool.firefly_limit=1"], ["--set", "metrics.rel_scale=none"], ["--reference", "holdout", "--holdout", "12"],
+                                     ["--reference", "holdout_pair"], ["--reference", "leave_selected_out"], ["--reference", "pool"],
+                                     ["--reference", "crossfit"]])
+def test_a_replay_of_results_is_judged_as_they_are(good, scene, tmp_path, options):
+    good("evaluate", scene, "--samplers", "multiscale", "--filters", "box", "--spp", "4", "--replicates", "1", *options, "-o", tmp_path / "r", "-q")
+    row, = csv.DictReader((tmp_path / "r" / "results.csv").open())
+    server = Served(tmp_path / "r")
+    try:
+        said, _ = server.planes("replay?" + server.key("multiscale", "box", 4))
+        if "crossfit" in options:
+            assert "relmse" not in said and server.json("choices")["left_out"] == "not replayed: the error (by crossfit, of two replays)"
+        else:
+            assert said["relmse"] == pytest.approx(float(row["relmse"]), rel=1e-5) and not server.json("choices")["left_out"]
+        offered = server.json("choices")["recordings"][0]["spp"]
+        assert offered == 32 - {"holdout": 12, "holdout_pair": 16, "leave_selected_out": 3}.get(options[1], 0)
     finally:
         assert server.end()[0] == 130
 

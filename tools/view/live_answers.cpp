@@ -122,6 +122,11 @@ std::pair<double, double> exposure_and_mean(const OpenRecording& opened) {
           mean > 0.0 ? mean : 1.0};
 }
 
+// To a pixel: those held out are not.
+long long samples_offered(const SamplePool& pool) {
+  return pool.total_capacity() / (static_cast<long long>(pool.width()) * pool.height());
+}
+
 // A recording that cannot be opened has no size: the page says why.
 ordered_json described(LiveReplays& replays, std::size_t index) {
   ordered_json told = {{"label", visible_text(replays.choices().recordings[index].label)}};
@@ -133,7 +138,7 @@ ordered_json described(LiveReplays& replays, std::size_t index) {
   const auto [exposure, mean] = exposure_and_mean(**opened);
   told.update({{"width", (*opened)->pool.width()},
                {"height", (*opened)->pool.height()},
-               {"spp", (*opened)->recording->spp()},
+               {"spp", samples_offered((*opened)->pool)},
                {"exposure", exposure},
                {"mean", mean},
                {"reference", (*opened)->reference.has_value()}});

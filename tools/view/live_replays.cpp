@@ -7,6 +7,7 @@
 #include "lib/methods/method_list.h"
 #include "lib/metrics/error_metrics.h"
 #include "lib/pool/load_recording.h"
+#include "lib/statistics/joined_halves.h"
 #include "tools/methods/external_methods.h"
 #include "tools/methods/method_memory.h"
 
@@ -27,20 +28,30 @@ std::string text_of(const ReplayKey& key) {
   return fmt::format("{} {} {} {}", key.recording, key.sampler, key.filter, key.spp);
 }
 
+// The same for all replays; that of leave_selected_out is of one, and crossfit has two replays.
+std::optional<JudgingReference> shared_reference(ReferenceKind kind, const SamplePool& pool) {
+  Result<JudgingReference> reference = fail(ErrorCode::kData, "none");
+  if (kind == ReferenceKind::kIndependent) reference = independent_reference(pool.recording());
+  if (kind == ReferenceKind::kHoldout) reference = holdout_reference(pool);
+  if (kind == ReferenceKind::kHoldoutPair) reference = holdout_pair_reference(pool);
+  if (kind == ReferenceKind::kPool) reference = pool_reference(pool);
+  return reference ? std::optional(std::move(*reference)) : std::nullopt;
+}
+
 Result<std::shared_ptr<const OpenRecording>> open_recording(const LiveChoices& choices,
                                                             std::size_t index) {
   SPOOL_ASSIGN(const PlanDemands methods, demands_of(choices.samplers, choices.filters));
   const WorkingMemory memory = evaluation_memory(methods.samplers, methods.filters, 1);
   const SampleFilm film = film_for(methods.samplers, methods.filters, 1);
   SPOOL_ASSIGN(const auto recording,
-               load_recording(choices.recordings[index].path, {}, memory, film));
-  SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, choices.order));
-  auto opened =
-      std::make_shared<OpenRecording>(OpenRecording{recording, std::move(pool), std::nullopt});
-  if (Result<JudgingReference> reference = independent_reference(*recording)) {
-    opened->reference = std::move(*reference);
-  }
-  return opened;
+               load_recording(choices.recordings[index].path, choices.rules, memory, film));
+  const ReferenceKind kind = choices.reference.value_or(default_reference_kind(*recording));
+  PoolOptions order = choices.order;
+  order.holdout = withheld_samples(kind, *recording, choices.holdout, order.pieces_per_side);
+  SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, order));
+  std::optional<JudgingReference> reference = shared_reference(kind, pool);
+  return std::make_shared<const OpenRecording>(
+      OpenRecording{recording, std::move(pool), kind, std::move(reference)});
 }
 
 Result<void> check_pixel(const SamplePool& pool, int x, int y) {
@@ -111,9 +122,14 @@ Result<std::shared_ptr<const LiveReplay>> LiveReplays::compute(const ReplayKey& 
   result->variance.reset();
   auto replay = std::make_shared<LiveReplay>(
       LiveReplay{std::move(*sampled), std::move(*result), std::nullopt});
-  if (from.reference) {
-    const MetricTable table = error_metrics(replay->result.image, *from.reference, {});
-    replay->relmse = table["relmse"].value;
+  const auto judge = [&](const JudgingReference& reference) {
+    replay->relmse =
+        error_metrics(replay->result.image, reference, choices_.metrics)["relmse"].value;
+  };
+  if (from.reference) judge(*from.reference);
+  if (from.kind == ReferenceKind::kLeaveSelectedOut) {
+    const CountImage counts = looked_at(replay->sampled.selection);
+    judge(leave_selected_out_reference(from.pool, counts));
   }
   return replay;
 }

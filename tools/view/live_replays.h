@@ -35,19 +35,25 @@ struct LiveChoices {
   std::vector<Recording> recordings;
   PoolOptions order;  // of every recording's samples
   std::vector<MethodChoice> samplers, filters;
+  // As an evaluation has them; a recording alone is judged by its own reference.
+  SanitiseRules rules = {};
+  MetricOptions metrics = {};
+  std::optional<ReferenceKind> reference = ReferenceKind::kIndependent;  // none: the default
+  std::optional<int> holdout = {};
   std::string left_out = {};  // what cannot be replayed and why, one line; may be empty
 };
 
 struct OpenRecording {
   std::shared_ptr<const RecordedSamples> recording;
   SamplePool pool;
-  std::optional<JudgingReference> reference;  // the recorded one
+  ReferenceKind kind;
+  std::optional<JudgingReference> reference;  // none, too, where each replay has its own
 };
 
 struct LiveReplay {
   SamplingResult sampled;
   Reconstruction result;
-  std::optional<double> relmse;  // against the recorded reference
+  std::optional<double> relmse;
 };
 
 struct ReplayKey {

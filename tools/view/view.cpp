@@ -102,7 +102,15 @@ Result<LiveChoices> choices_of_results(const fs::path& folder, bool allow_comman
   std::vector<std::string> left_out;
   choices.samplers = replayed(known_samplers(), plan.samplers, allow_commands, left_out);
   choices.filters = replayed(known_filters(), plan.filters, allow_commands, left_out);
+  if (plan.experiment.reference == ReferenceKind::kCrossfit)
+    left_out.emplace_back("the error (by crossfit, of two replays)");
   choices.left_out = left_out_text(left_out);
+  choices.order.seed = mix(plan.experiment.seed, std::uint64_t{0});  // of methods, too
+  choices.rules = plan.rules;
+  choices.metrics = plan.experiment.metrics;
+  choices.metrics.wanted.clear();
+  choices.reference = plan.experiment.reference;
+  choices.holdout = plan.experiment.holdout;
   return choices;
 }
 
