@@ -175,6 +175,7 @@ OTHER = {
     "BGR": (JUDGE[..., ::-1], "the samples with red and blue exchanged"),
     "BGR upside down": (JUDGE[::-1, :, ::-1], "upside down and with red and blue exchanged"),
     "exposure": (2 * JUDGE, "has 2 times the light"), "encoded": (JUDGE.clip(0, 1) ** (1 / 2.2), "times the light"),
+    "black": (0 * JUDGE, "has 0 times the light"),
     "another frame": (np.roll(JUDGE, 11, 1), "times the light"), "tone-mapped": (JUDGE / (1 + JUDGE), "times the light"), "clamped": (JUDGE.clip(0, 1), "times the light"),
 }
 

@@ -498,3 +498,11 @@ def test_metrics_that_a_plan_names_are_the_bits_of_all(good, run, dump, tmp_path
     run("evaluate", "wrong.toml", "-o", "wrong").failed_with(2, "wrong.toml:7: unknown metric 'sim', did you mean 'ssim'?")
     good("report", "some", "-o", "page.html")
     good("evaluate", "some/plan.toml", "-o", "some", "--no-pictures")
+
+
+def test_a_black_reference_is_told(good, tmp_path):
+    radiance, _ = samples()
+    write_dump(tmp_path / "dark.spool", radiance, reference=np.zeros((*radiance.shape[:2], 3), "<f4"))
+    words = ("evaluate", "dark.spool", "--samplers", "uniform", "--filters", "box", "--spp", 2, "--replicates", 2, "--no-pictures", "-o", "black")
+    for _ in range(2):  # where all results are there, too
+        assert "warning: dark.spool: its reference is black and results are not" in good(*words).err

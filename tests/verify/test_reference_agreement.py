@@ -78,6 +78,7 @@ def test_the_mean_of_the_samples_themselves_is_found():
 
 
 @pytest.mark.parametrize("harm, words", [(lambda r: r, ""), (lambda r: r[::-1], "upside down"), (lambda r: 2 * r, "2 times the light"),
+                                         (lambda r: 0 * r, "0 times the light"),
                                          (lambda r: np.roll(r, 5, 1), "times the light")])
 def test_a_reference_without_a_variance_is_of_the_same_picture(harm, words):
     rng = np.random.default_rng(14)

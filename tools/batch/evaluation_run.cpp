@@ -291,6 +291,7 @@ class PlanRun {
       }
       return;
     }
+    if (std::isinf(record.number("energy_ratio"))) black_references_.insert(cell.dump);
     const double budget = std::round(cell.spp * record.number("width") * record.number("height"));
     if (record.number("samples_spent") < budget)
       ++(cell.sampler.name == "counts" ? asked_for_fewer_ : short_of_samples_);
@@ -317,6 +318,10 @@ class PlanRun {
     }
     for (const std::string& found : references_)
       print_warning(found + ": its error has no meaning");
+    for (const std::string& recording : black_references_)
+      print_warning(recording +
+                    ": its reference is black and results are not: their errors are the light "
+                    "itself: pack the recording with a reference of the same picture");
     if (missing > 0) {
       return fail(
           ErrorCode::kData,
@@ -349,8 +354,9 @@ class PlanRun {
   std::size_t results_ = 0, failed_ = 0, short_of_samples_ = 0, asked_for_fewer_ = 0;
   std::size_t undrawn_ = 0;  // results with an image that cannot hold its numbers
   std::string first_failure_, first_undrawn_;
-  std::set<std::string> references_;  // images that are no estimate
-  bool any_shared_ = false;           // times are of a machine that other results shared
+  std::set<std::string> references_;        // images that are no estimate
+  std::set<std::string> black_references_;  // of recordings
+  bool any_shared_ = false;                 // times are of a machine that other results shared
 };
 
 }  // namespace
