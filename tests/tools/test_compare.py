@@ -197,6 +197,7 @@ def test_wrong_use(run, evaluate, tmp_path):
     a = evaluate("a")
     run("compare", a, "none").failed_with(3, "plan.toml")
     run("compare", a, a, "--metric", "relmze").failed_with(2, "did you mean 'relmse'")
+    run("compare", a, a, "--metric", "relmse,mse,relmse").failed_with(2, "--metric relmse: is asked for twice: name it once")
     write_dump(tmp_path / "third.spool", samples(seed=9)[0])
     evaluate("d", plan=PLAN.replace("scene.spool", "third.spool"))
     run("compare", a, "d").failed_with(1, "no result in common", "third  ", "scene  ", "must be alike", "--match name")
@@ -237,6 +238,13 @@ def test_a_change_of_an_option_is_compared_by_name(run, good, evaluate):
     assert len(changed) == 3 and all("sigma=1" in c and "sigma=2" in c for c in changed)
     evaluate("c", 1, plan.replace("sigma = {seed}", "sigma = [1, 2]"))
     run("compare", a, "c", "--match", "name").failed_with(2, "have one name")
+
+
+def test_a_label_matches_whatever_it_stands_for_and_the_help_says_so(good, dump):
+    for folder, method in (("a", "ours=multiscale{alpha=0.3}"), ("b", "ours=greedy_error")):
+        good("evaluate", dump, "--samplers", method, "--filters", "box", "--spp", 4, "--replicates", 4, "--no-pictures", "-o", folder)
+    assert "1 comparison " in good("compare", "a", "b", "--tolerance", 100).out
+    assert "by their own label or with their options; name: whatever their labels and options" in " ".join(good("compare", "--help").out.split())
 
 
 def test_presets_of_one_method_are_compared_by_name(run, good, dump, tmp_path):

@@ -160,7 +160,8 @@ void add_compare(Program& program) {
              "chance of a claim where nothing changed, of all comparisons together (0.05)"),
          kSignificance);
   verb.add_option("--match", options.match_name,
-                  "label: methods with the same options; name: whatever their options (label)")
+                  "label: methods as tables call them, by their own label or with their options; "
+                  "name: whatever their labels and options (label)")
       ->transform(
           CLI::CheckedTransformer(std::map<std::string, bool>{{"label", false}, {"name", true}}));
   within(verb.add_option("--tolerance", options.tolerance,

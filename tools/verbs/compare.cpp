@@ -134,6 +134,9 @@ Result<std::vector<std::string>> chosen_metrics(const CompareOptions& options) {
   known.emplace_back(kCpuTime);
   std::vector<std::string> chosen = split_list(options.metrics);
   for (const std::string& metric : chosen) {
+    // Twice in the family, it would be charged for twice.
+    if (std::ranges::count(chosen, metric) > 1)
+      return fail(ErrorCode::kUsage, "--metric {}: is asked for twice: name it once", metric);
     if (std::ranges::find(known, metric) != known.end()) continue;
     return fail(ErrorCode::kUsage, "--metric {}: cannot be compared{}: one of {}", metric,
                 did_you_mean(metric, known), fmt::join(known, ", "));
