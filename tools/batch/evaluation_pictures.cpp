@@ -61,7 +61,7 @@ EvaluationPictures::EvaluationPictures(std::filesystem::path folder,
 }
 
 std::string EvaluationPictures::stem_of(const Cell& cell) const {
-  const std::string stem =
+  std::string stem =
       fmt::format("{}_{}_{}_{:g}spp", dump_names_.at(cell.dump), file_name_of(cell.sampler.label()),
                   file_name_of(cell.filter.label()), cell.spp);
   if (stem.size() <= kLongestStem) return stem;

@@ -76,7 +76,7 @@ Result<std::shared_ptr<const OpenRecording>> LiveReplays::open(std::size_t recor
     const std::lock_guard lock(kept_);
     if (auto found = recordings_.find(key)) return found;
   }
-  SPOOL_ASSIGN(const auto opened, open_recording(choices_, recording));
+  SPOOL_ASSIGN(auto opened, open_recording(choices_, recording));
   const std::lock_guard lock(kept_);
   recordings_.insert(key, opened, 1);
   return opened;
@@ -147,7 +147,7 @@ Result<std::shared_ptr<const LiveReplay>> LiveReplays::replay(const ReplayKey& k
   const std::lock_guard one_at_a_time(working_);
   if (auto found = kept()) return found;  // made while this one waited
   if (superseded(turn)) return nullptr;
-  SPOOL_ASSIGN(const auto made, compute(key, turn, *opened));
+  SPOOL_ASSIGN(auto made, compute(key, turn, *opened));
   if (made == nullptr) return made;
   const std::lock_guard lock(kept_);
   replays_.insert(name, made, bytes_of(*made));
