@@ -129,7 +129,8 @@ def test_what_was_judged_differently_is_not_compared(run, good, evaluate):
     assert run("compare", own, "pool", "--json").json["comparisons"][0]["verdict"] == "not compared"
     evaluate("named", plan='reference = "independent"\n' + plan + '[metrics]\nperceptual = "none"\n')
     assert "2 identical" in good("compare", own, "named").out
-    good("compare", own, "pool", "--metric", "cpu", "--tolerance", 100)  # times are not judged
+    times = good("compare", own, "pool", "--metric", "cpu", "--tolerance", 100)  # times are not judged
+    assert "of one run each" in " ".join(times.out.split()) and "one run" not in good("compare", own, own).out
 
 
 def test_another_picture_of_the_same_file_name_is_not_compared(run, good, tmp_path):

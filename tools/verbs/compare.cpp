@@ -89,6 +89,12 @@ std::string text_of(const Comparisons& outcome, bool all) {
   for (const auto& [how, count] : judged)
     notes += visible_text(fmt::format("Judged differently, not compared: {}: by {}.", count, how)) +
              "\n";
+  // What the machine did meanwhile is in every replicate of a run alike.
+  if (std::ranges::find(outcome.changes, kCpuTime, &Change::metric) != outcome.changes.end())
+    notes +=
+        "Times are of one run each, and the machine may have changed between the two: repeat "
+        "both before you believe a change, or give --tolerance what runs of one program "
+        "differ by.\n";
   if (std::ranges::any_of(outcome.changes, &Change::biased))
     notes += "BIASED: judged by the samples that images were made of.\n";
   return text + wrapped(notes, line_width());
