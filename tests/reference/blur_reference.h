@@ -8,9 +8,8 @@
 
 namespace spool::reference {
 
-// Gaussian of `sigma` taps, cut at 4 sigma, mirrored at the border.
-inline Plane blur(const Plane& image, double sigma, int dilation = 1) {
-  const int reach = static_cast<int>(std::lround(4.0 * sigma));
+// Gaussian of `sigma` taps, cut at `reach`, mirrored at the border.
+inline Plane blur_within(const Plane& image, double sigma, int reach, int dilation = 1) {
   Plane out(image.width(), image.height());
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
@@ -27,6 +26,10 @@ inline Plane blur(const Plane& image, double sigma, int dilation = 1) {
     }
   }
   return out;
+}
+
+inline Plane blur(const Plane& image, double sigma, int dilation = 1) {
+  return blur_within(image, sigma, static_cast<int>(std::lround(4.0 * sigma)), dilation);
 }
 
 }  // namespace spool::reference

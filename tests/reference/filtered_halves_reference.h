@@ -6,32 +6,9 @@
 
 #include "lib/sampling/apportion.h"
 #include "lib/sampling/filtered_halves.h"
+#include "tests/reference/blur_reference.h"
 
 namespace spool::reference {
-
-// Gaussian of radius ceil(3 sigma), half-sample symmetric at the border, as a double sum.
-inline Plane blurred(const Plane& image, double sigma) {
-  const int r = static_cast<int>(std::ceil(3 * sigma));
-  const auto mirrored = [](int i, int n) {
-    i = ((i % (2 * n)) + 2 * n) % (2 * n);
-    return i < n ? i : 2 * n - 1 - i;
-  };
-  Plane out(image.width(), image.height());
-  for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) {
-      double sum = 0.0, weights = 0.0;
-      for (int v = -r; v <= r; ++v) {
-        for (int u = -r; u <= r; ++u) {
-          const double w = std::exp(-(u * u + v * v) / (2.0 * sigma * sigma));
-          sum += w * image(mirrored(x + u, image.width()), mirrored(y + v, image.height()));
-          weights += w;
-        }
-      }
-      out(x, y) = sum / weights;
-    }
-  }
-  return out;
-}
 
 // Weights of the next round: sqrt of the smoothed relative difference of the filtered halves.
 inline Plane halves_weight(const SamplePool& pool, const CountImage& n, double exposure,
@@ -58,7 +35,7 @@ inline Plane halves_weight(const SamplePool& pool, const CountImage& n, double e
       e[i] += (a - b) * (a - b) / (f * f + 0.01) / 3.0;
     }
   }
-  e = blurred(e, sigma);
+  e = blur_within(e, sigma, static_cast<int>(std::ceil(3 * sigma)));
   for (double& value : e.pixels())
     value = std::sqrt(value);
   return e;
