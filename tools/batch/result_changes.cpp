@@ -83,10 +83,8 @@ std::string other_picture(const DumpIdentity& a, const DumpIdentity& b, const Pi
   if (same_recording(a, b)) return "";
   if (!before.size.empty() && !after.size.empty() && before.size != after.size)
     return fmt::format("another recording: {} before, {} after", before.size, after.size);
-  if (const std::string first = scene_name(a), second = scene_name(b);
-      !first.empty() && !second.empty() && first != second) {
-    return fmt::format("another recording: of {} before, {} after", first, second);
-  }
+  if (!before.scene.empty() && !after.scene.empty() && before.scene != after.scene)
+    return fmt::format("another recording: of {} before, {} after", before.scene, after.scene);
   if (std::abs(std::log(after.light / before.light)) > std::log(kSameLight)) {
     return fmt::format("another recording: reference of mean luminance {:.4g} before, {:.4g} after",
                        before.light, after.light);
@@ -137,6 +135,8 @@ Result<ResultFolder> read_result_folder(const fs::path& path, MatchBy match) {
     judged.clear();
     picture = {};
     SceneMethods found = read_scene(folder.plan, scene, sources);
+    if (const auto dump = folder.dumps.find(files.front()); dump != folder.dumps.end())
+      picture.scene = scene_name(dump->second);
     const int wanted = folder.plan.replicates * static_cast<int>(files.size());
     for (std::size_t b = 0; b < folder.plan.spp.size(); ++b) {
       for (std::size_t t = 0; t < folder.plan.threads.size(); ++t) {

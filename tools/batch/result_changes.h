@@ -22,8 +22,9 @@ inline constexpr const char* kCpuTime = "cpu";
 // their names alone; options count in labels only.
 enum class MatchBy { kLabel, kPreset, kName };
 
-// What a recording is of, as far as its results say it: another seed leaves this as it is.
+// What a recording is of, as far as it and its results say it: another seed leaves this as it is.
 struct Picture {
+  std::string scene;   // scene_name()
   std::string size;    // empty: not known, of an older program
   double light = NAN;  // mean luminance of a recorded reference
 };
