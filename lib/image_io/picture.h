@@ -24,8 +24,9 @@ struct Picture {
   std::vector<std::uint8_t> rgb;  // [y][x][c]
 };
 
-// 0.18 / exp(mean ln(max(Y,0) + log_average_floor)) over the finite pixels: the mean of the logarithm of
-// luminance becomes middle grey. Take it from the reference and use it for all pictures of a scene.
+// 0.18 / exp(mean ln(max(Y,0) + log_average_floor)) over the finite pixels: the mean of the
+// logarithm of luminance becomes middle grey. Take it from the reference and use it for all
+// pictures of a scene.
 double tone_exposure(const RgbImage& reference);
 
 // sRGB_encode(clamp(exposure * value, 0, 1)); non-finite pixels are kNotFinite.

@@ -15,17 +15,6 @@
 namespace spool {
 namespace {
 
-constexpr int kMostGroups = 4;
-
-CountImage samples_of_pixels(const CountImage& n, int q) {
-  CountImage of_pixel(n.width() / q, n.height() / q);
-  for (int y = 0; y < n.height(); ++y) {
-    for (int x = 0; x < n.width(); ++x)
-      of_pixel(x / q, y / q) += n(x, y);
-  }
-  return of_pixel;
-}
-
 // visit(luminance) for the samples taken of pixel (x, y), in the order of their positions.
 template <class Visit>
 void visit_luminances(const SamplePool& pool, const CountImage& n, int x, int y, Visit&& visit) {
@@ -53,7 +42,7 @@ GroupMeans group_means(const SamplePool& pool, const CountImage& n, const CountI
   parallel_rows(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       if (of_pixel(x, y) == 0) continue;
-      std::array<double, kMostGroups> sum{};
+      std::array<double, kMostSampleGroups> sum{};
       double total = 0.0, largest = 0.0;
       int position = 0;
       visit_luminances(pool, n, x, y, [&](double value) {
@@ -73,7 +62,7 @@ GroupMeans group_means(const SamplePool& pool, const CountImage& n, const CountI
 }
 
 // Of an even number of values the mean of the two in the middle.
-double median(std::array<double, kMostGroups> values, int count) {
+double median(std::array<double, kMostSampleGroups> values, int count) {
   for (auto it = values.begin(); it != values.begin() + count; ++it)
     std::rotate(std::upper_bound(values.begin(), it, *it), it, it + 1);
   const auto middle = static_cast<std::size_t>(count / 2);
@@ -97,8 +86,17 @@ std::uint64_t samples_above(const SamplePool& pool, const CountImage& n, const P
 
 }  // namespace
 
+CountImage samples_of_pixels(const CountImage& n, int q) {
+  CountImage of_pixel(n.width() / q, n.height() / q);
+  for (int y = 0; y < n.height(); ++y) {
+    for (int x = 0; x < n.width(); ++x)
+      of_pixel(x / q, y / q) += n(x, y);
+  }
+  return of_pixel;
+}
+
 int number_of_groups(const CountImage& n) {
-  int groups = kMostGroups;
+  int groups = kMostSampleGroups;
   for (const std::int32_t count : n.pixels()) {
     if (count > 0) groups = std::min(groups, count);
   }
@@ -117,7 +115,7 @@ Plane sample_limits(const SamplePool& pool, const CountImage& n, double unit,
   }
   Plane limits(of_pixel.width(), of_pixel.height());
   for (std::size_t i = 0; i < limits.size(); ++i) {
-    std::array<double, kMostGroups> around{};
+    std::array<double, kMostSampleGroups> around{};
     for (std::size_t k = 0; k < means.mean.size(); ++k)
       around[k] = means.mean[k][i];
     const double expected = std::max({median(around, groups), means.own[i], 0.0});

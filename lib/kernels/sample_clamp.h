@@ -29,6 +29,11 @@ struct SampleClampOptions {
   double floor = 0.005;  // allowed everywhere, in units of the scene's luminance
 };
 
+inline constexpr int kMostSampleGroups = 4;
+
+// Sums over the q x q pieces of each pixel.
+CountImage samples_of_pixels(const CountImage& n, int q);
+
 // m: min(4, smallest count of one that has samples), of pixels or of pieces.
 int number_of_groups(const CountImage& n);
 

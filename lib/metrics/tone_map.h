@@ -8,8 +8,8 @@
 
 namespace spool {
 
-// 0.18 / exp(mean of ln(max(Y, 0) + log_average_floor)) over the pixels with judged != 0 (of all where `judged`
-// is empty): brings the log-average luminance to middle grey.
+// 0.18 / exp(mean of ln(max(Y, 0) + log_average_floor)) over the pixels with judged != 0 (of all
+// where `judged` is empty): brings the log-average luminance to middle grey.
 double tone_map_exposure(const RgbImage& reference, const Image<std::uint8_t>& judged);
 
 // Radiance times `factor`, 0 where not judged so that both images agree there.

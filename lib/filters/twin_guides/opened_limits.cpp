@@ -7,13 +7,13 @@
 
 #include "lib/core/parallel.h"
 #include "lib/kernels/event_places.h"
+#include "lib/kernels/sample_clamp.h"
 #include "lib/kernels/truncated_filter.h"
 #include "lib/pyramid/convolution.h"
 
 namespace spool {
 namespace {
 
-constexpr int kMostGroups = 4;
 constexpr double kHeavyBegins = 0.25;  // in units of the ratio at which tails are heavy
 constexpr double kHeavyOfPool = 2.0;   // ratio at which noise is pooled, in the same units
 
@@ -22,28 +22,14 @@ constexpr double kHeavyOfPool = 2.0;   // ratio at which noise is pooled, in the
 constexpr double kPlace = 1.5, kAnywhere = 1.2, kInPlaces = 1.7;
 constexpr double kBeside = 1.0, kInside = 2.0;
 
-struct Counts {
-  int groups = kMostGroups;  // min(4, smallest count of a pixel that has samples)
-  double of_a_group = 0.0;   // samples, mean over the pixels that have any
-};
-
-Counts counts_of_pixels(const CountImage& n, int q) {
-  Counts counts;
+// Mean over the pixels that have any.
+double mean_count(const CountImage& of_pixel) {
   std::int64_t samples = 0, pixels = 0;
-  for (int y = 0; y < n.height(); y += q) {
-    for (int x = 0; x < n.width(); x += q) {
-      int count = 0;
-      for (int i = 0; i < q * q; ++i)
-        count += n(x + i % q, y + i / q);
-      if (count == 0) continue;
-      counts.groups = std::min(counts.groups, count);
-      samples += count;
-      ++pixels;
-    }
+  for (const std::int32_t count : of_pixel.pixels()) {
+    samples += count;
+    pixels += count > 0 ? 1 : 0;
   }
-  if (pixels > 0)
-    counts.of_a_group = static_cast<double>(samples) / static_cast<double>(pixels * counts.groups);
-  return counts;
+  return static_cast<double>(samples) / static_cast<double>(pixels);
 }
 
 struct Split {
@@ -74,7 +60,7 @@ Split split_at(const Plane& limits, const SamplePool& pool, const CountImage& n,
   parallel_rows(0, limits.height(), [&](int y) {
     for (int x = 0; x < limits.width(); ++x) {
       const double limit = limits(x, y);
-      std::array<double, kMostGroups> above{}, samples_above{};
+      std::array<double, kMostSampleGroups> above{}, samples_above{};
       double below = 0.0;
       int position = 0;
       for (int piece = 0; piece < q * q; ++piece) {
@@ -116,9 +102,10 @@ Plane pieces_of_pixels(const Plane& pixels, int q) {
 
 OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage& n,
                          const TwinGuidesOptions& options) {
-  const Counts counts = counts_of_pixels(n, pool.pieces_per_side());
-  if (options.opening <= 0.0 || counts.groups < 2) return {std::move(limits), {}};
-  const Split split = split_at(limits, pool, n, counts.groups);
+  const CountImage of_pixel = samples_of_pixels(n, pool.pieces_per_side());
+  const int groups = number_of_groups(of_pixel);
+  if (options.opening <= 0.0 || groups < 2) return {std::move(limits), {}};
+  const Split split = split_at(limits, pool, n, groups);
   const Taps taps = four_sigma_taps(options.clamp_sigma);
   const Plane kept = convolve(split.kept, taps);
   Plane agreed = convolve(split.taken[0], taps);
@@ -128,7 +115,7 @@ OpenedLimits open_limits(Plane limits, const SamplePool& pool, const CountImage&
       agreed[i] = std::min(agreed[i], around[i]);
   }
   const EventPlaces places =
-      event_places(split.share, kPlace, options.clamp_sigma, counts.of_a_group);
+      event_places(split.share, kPlace, options.clamp_sigma, mean_count(of_pixel) / groups);
   Plane heavy(limits.width(), limits.height());
   for (std::size_t i = 0; i < limits.size(); ++i) {
     const double ratio = kept[i] > 0.0 ? agreed[i] / kept[i] : 0.0;

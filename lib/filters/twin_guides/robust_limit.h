@@ -6,7 +6,7 @@
 //
 // tl: mean logarithms of luminances. It lies far below the mean wherever few samples carry the
 // light. No piece with less than half of the weight raises the lower bound of the mean above 0
-// alone, but where tails are heavy (h: g of opened_limits.h) few pieces are all there is:
+// alone, but where tails are heavy (h, opened_limits.h) few pieces are all there is:
 // docs/decisions.md, 0170. Slow twin: tests/reference/twin_guides_reference.h.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace spool {
 
-// top [y][x] from the tile's corner, in units. `heavy`: that of pieces, or nothing where it is 0.
+// top [y][x] from the tile's corner, in units. `heavy`: h of pieces, or nothing where it is 0.
 Image<float> robust_limits(const Lattice& lattice, const Rectangle& tile,
                            const WindowWeights& weights, const FitTable& table,
                            const Image<float>& log_luminance, const CountImage& n,
