@@ -104,7 +104,7 @@ TEST(EnsembleWeights, TheTruthWithNoiseWeighsMoreThanLightThatIsLost) {
 }
 
 // A part that copies the samples of its half would win if it were judged by that half; the prior of
-// equal weights leaves it about 0.24.
+// equal weights leaves it about 0.1.
 TEST(EnsembleWeights, AHalfIsJudgedByTheOtherHalf) {
   const RgbImage truth = uniform_image(kWidth, kHeight, 1, 0.9, 1.1);
   const HalfImages means = noisy_halves(truth, 1.0, 0.4, 6);

@@ -340,7 +340,7 @@ def test_an_ensemble_is_the_mean_of_its_parts(good, run, dump, tmp_path):
     box, blurred, both = (np.mean(errors[name]) for name in ("box", "gaussian{sigma=2}", "ensemble{weights=halves}:box+gaussian{sigma=2}"))
     assert min(box, blurred) * 0.5 < both < 0.5 * (box + blurred)
     few = good("reconstruct", dump, "--spp", 2, "--filter", "ensemble:box+nl_means", *halves, "-o", "few.exr", "--json").json
-    assert "needs 4 samples" in few["notes"][0]
+    assert "needs 3 samples" in few["notes"][0]
     for name, words in (("ensemble:box", "2 to 4"), ("ensemble:box+box+box+box+box", "2 to 4"), ("ensemble:box+bxo", "did you mean 'box'"),
                         ("ensemble:box+ensemble:box+box", "no part"), ("ensemble:box+", "filter"), ("ensemble:", "A+B"),
                         ("ensemble:box+gaussian{sigma=x}", "sigma")):
