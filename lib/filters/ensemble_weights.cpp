@@ -44,40 +44,46 @@ struct Surroundings {
   RgbImage shape;    // the parts' picture and the floor
   Plane top;         // luminance that a pixel's mean may have
   Plane brightness;  // luminance of the shape, over the reach of the weights
+  double floor;
 };
 
 Surroundings surroundings_of(const RgbImage& picture, double floor) {
-  Surroundings around{picture, Plane(picture[0].width(), picture[0].height()), {}};
-  Plane bright = around.top;
-  for (std::size_t p = 0; p < bright.size(); ++p) {
-    around.top[p] = luminance_of(picture, p);
+  Plane top(picture[0].width(), picture[0].height());
+  Surroundings around{picture, top, top, floor};
+  for (std::size_t p = 0; p < top.size(); ++p) {
+    top[p] = luminance_of(picture, p);
     for (Plane& channel : around.shape)
       channel[p] += floor;
-    bright[p] = luminance_of(around.shape, p);
+    around.brightness[p] = luminance_of(around.shape, p);
   }
-  around.top = truncated_mean(around.top, four_sigma_taps(1.0));
+  around.top = truncated_mean(top, four_sigma_taps(1.0));
   for (double& value : around.top.pixels())
     value = kLimit * (value + floor);
-  around.brightness = truncated_mean(bright, four_sigma_taps(kReach));
+  around.brightness = truncated_mean(around.brightness, four_sigma_taps(kReach));
   return around;
 }
 
 // `mean` with pixels far above their surroundings scaled down: a firefly judges nothing. What that
-// takes comes back around them in the shape of the picture: judges that have lost light favour
-// parts that have lost it, too.
+// takes comes back around them in the shape of the parts' picture, as far as the picture has that
+// light: judges that have lost light favour parts that have lost it, too.
 RgbImage judge_of(RgbImage mean, const Surroundings& around) {
-  Plane taken(mean[0].width(), mean[0].height());
+  Plane taken(mean[0].width(), mean[0].height()), kept = taken;
   for (std::size_t p = 0; p < taken.size(); ++p) {
     const double l = luminance_of(mean, p);
     const double factor = std::min(1.0, around.top[p] / std::max(l, kLeastLuminance));
-    taken[p] = l - factor * l;
+    kept[p] = factor * l;
+    taken[p] = l - kept[p];
     for (Plane& channel : mean)
       channel[p] *= factor;
   }
-  taken = truncated_mean(taken, four_sigma_taps(kReach));
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t p = 0; p < taken.size(); ++p)
-      mean[c][p] += around.shape[c][p] * taken[p] / around.brightness[p];
+  const Taps taps = four_sigma_taps(kReach);
+  taken = truncated_mean(taken, taps);
+  kept = truncated_mean(kept, taps);
+  for (std::size_t p = 0; p < taken.size(); ++p) {
+    const double missing = around.brightness[p] - around.floor - kept[p];
+    const double back = std::min(taken[p], std::max(0.0, missing)) / around.brightness[p];
+    for (std::size_t c = 0; c < 3; ++c)
+      mean[c][p] += around.shape[c][p] * back;
   }
   return mean;
 }

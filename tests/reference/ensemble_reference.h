@@ -63,6 +63,7 @@ inline EnsembleError ensemble_error(const std::vector<Halves>& parts, const Halv
   }
   const Plane near = mean_inside(luminance_plane(picture), 1.0);
   const Plane far = mean_inside(luminance_plane(shape), 16.0);
+  const Plane level = mean_inside(luminance_plane(picture), 16.0);
   for (std::size_t h = 0; h < 2; ++h) {
     const Plane before = luminance_plane(means[h]);
     Plane lost = before;
@@ -74,9 +75,12 @@ inline EnsembleError ensemble_error(const std::vector<Halves>& parts, const Halv
         judge[h][c][p] *= factor;
     }
     lost = mean_inside(lost, 16.0);
+    const Plane left = mean_inside(luminance_plane(judge[h]), 16.0);
     for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t p = 0; p < zero.size(); ++p)
-        judge[h][c][p] += shape[c][p] * lost[p] / far[p];
+      for (std::size_t p = 0; p < zero.size(); ++p) {
+        const double back = std::clamp(level[p] - left[p], 0.0, lost[p]);
+        judge[h][c][p] += shape[c][p] * back / far[p];
+      }
     }
   }
   EnsembleError error{std::vector(count, std::vector<Plane>(count, zero)),
