@@ -163,8 +163,9 @@ def rivals(small, full):
 
 
 def short_name(method):
-    """Without options, and an ensemble without its parts."""
-    return " + ".join(f"`{part.partition('{')[0].partition(':')[0]}`" for part in method.split(" + ", 1))
+    """Without options, and an ensemble without its parts, but with its own options."""
+    heads = (part.partition(":") for part in method.split(" + ", 1))
+    return " + ".join(f"`{head if colon else head.partition('{')[0]}`" for head, colon, _ in heads)
 
 
 def beside_network(store, plan):
@@ -247,7 +248,7 @@ def page(template, small, full):
                        ("equal_time", lambda: equal_time(small, QUICK, "quick")),
                        ("beside_network", lambda: beside_network(full, NETWORK)),
                        ("two_sizes", lambda: two_sizes(full, "n2_size")),
-                       ("needed", lambda: needed(full, NETWORK, ("`uniform` + `ensemble`", "`cross_halves` + `ensemble`"), (8, 16, 32))),
+                       ("needed", lambda: needed(full, NETWORK, ("`uniform` + `ensemble`", "`cross_halves` + `ensemble{weights=halves}`"), (8, 16, 32))),
                        ("matrix", lambda: matrix(full, METHODS, ("e9_chess", "e10_balls")))):
         if "{{" + name + "}}" in text:
             text = text.replace("{{" + name + "}}", made())
