@@ -258,7 +258,7 @@ def test_each_number_of_threads_has_its_figure(tmp_path):
     names = {path.name for path in (tmp_path / "f").glob("comparison*.pdf")}
     assert names == {"comparison.pdf", "comparison_s__1_threads.pdf", "comparison_s__2_threads.pdf"}
     captions = (tmp_path / "f/captions.tex").read_text()
-    assert "caption{s [1 threads] and s [2 threads] at" in captions and "{comparison_s__2_threads.pdf}" in captions
+    assert "caption{s [1 thread] and s [2 threads] at" in captions and "{comparison_s__2_threads.pdf}" in captions
 
 
 def test_a_plan_is_evaluated_first(tmp_path):

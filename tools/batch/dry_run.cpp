@@ -95,12 +95,14 @@ Result<Listing> list_cells(const RunRequest& request, bool force) {
     } else {
       found.left.push_back(cell);
     }
-    found.text += visible_text(fmt::format(
-                      "{}  {}  {} + {}  {:g} spp  replicate {}{}{}", id, cell.dump,
-                      cell.sampler.label(), cell.filter.label(), cell.spp, cell.replicate,
-                      cell.threads > 0 ? fmt::format("  {} threads", cell.threads) : "",
-                      is_done ? "  done" : "")) +
-                  "\n";
+    found.text +=
+        visible_text(fmt::format(
+            "{}  {}  {} + {}  {:g} spp  replicate {}{}{}", id, cell.dump, cell.sampler.label(),
+            cell.filter.label(), cell.spp, cell.replicate,
+            cell.threads > 0 ? "  " + counted(static_cast<std::size_t>(cell.threads), "thread")
+                             : "",
+            is_done ? "  done" : "")) +
+        "\n";
   }
   return found;
 }

@@ -92,7 +92,7 @@ Rows short_rows(const Study& study, const ShownResults& shown, bool ratio_interv
     const StudyPlace& place = result.place();
     const std::string heading = fmt::format(
         "{}, {:g} sample{} per pixel{}", shown_scene(place), place.spp, place.spp == 1.0 ? "" : "s",
-        threads ? fmt::format(", {} threads", place.threads) : "");
+        threads ? ", " + counted(static_cast<std::size_t>(place.threads), "thread") : "");
     if (heading != last) rows.push_back({heading});
     last = heading;
     const bool is_baseline = result.result->methods.name() == study.baseline;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/core/counted.h"
 #include "lib/experiment/plan_cells.h"
 #include "tools/batch/cell_store.h"
 #include "tools/batch/run_folder.h"
@@ -24,9 +25,10 @@ std::string key_of(const PlanScene& scene, const MethodResults& method, double s
                    MatchBy match) {
   const std::string name =
       scene.group.empty() ? fs::path(scene.recordings.front()).stem().string() : scene.group;
-  return fmt::format("{}  {} + {}  {:g} spp{}", name, method_name(method.sampler, match),
-                     method_name(method.filter, match), spp,
-                     threads > 0 ? fmt::format("  {} threads", threads) : "");
+  return fmt::format(
+      "{}  {} + {}  {:g} spp{}", name, method_name(method.sampler, match),
+      method_name(method.filter, match), spp,
+      threads > 0 ? "  " + counted(static_cast<std::size_t>(threads), "thread") : "");
 }
 
 // Samples were drawn alike: replicate r of both took the same.

@@ -10,6 +10,7 @@ import re
 from typing import NamedTuple
 
 from tools.report.failure import USAGE, Failure, open_regular
+from tools.report.number_text import count_text
 
 COUNTED = {"spp": 1e-9, "replicate": 0.0, "threads": 0.0}  # of the key: numbers, and the least they may be
 KEY = ("dump", "sampler", "filter", "spp", "replicate", "threads")
@@ -75,7 +76,7 @@ def _name_threads(rows):
     """Where numbers of threads are swept over, they are part of the sampler's name."""
     if len({row["threads"] for row in rows}) > 1:
         for row in rows:
-            row["sampler"] += f" [{row['threads']:g} threads]"
+            row["sampler"] += f" [{count_text(int(row['threads']), 'thread')}]"
 
 
 def without_threads(sampler):

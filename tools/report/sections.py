@@ -6,7 +6,7 @@ from html import escape
 from pathlib import PurePath
 
 from tools.report.metric_names import metric_name
-from tools.report.number_text import interval_text, known_text, number_text
+from tools.report.number_text import count_text, interval_text, known_text, number_text
 from tools.report.page import licences_html, scrolled_table
 from tools.report.statistics_file import interval_of
 from tools.report.summary import late_text, leading, said_text, threads_text, verdict_text, verdicts
@@ -33,7 +33,7 @@ def _claim(claim):
     """A question of the plan with the verdict that statistics.json has; opens on the places it was asked at."""
     limit = "" if claim["below"] == 1 else f" {number_text(claim['below'])} times"
     asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
-             + ("; {} threads against {}".format(*claim["threads"]) if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
+             + (f"; {count_text(claim['threads'][0], 'thread')} against {claim['threads'][1]}" if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
     counts = ", ".join(f"{count} {verdict}" for verdict, count in claim["counts"].items())
     rows = (f'<tr><th scope="row">{escape(PurePath(place["dump"]).stem + threads_text(claim, place))}</th>'
             f'<td class="number">{place["spp"]:g}</td><td class="number">{known_text(interval_of(place.get("ratio")))}</td>'

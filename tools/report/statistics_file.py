@@ -135,7 +135,7 @@ class Statistics:
         for entries, threads in [*((c["ranking"], c["threads"]) for c in self.conditions),
                                  *(([e], e["threads"]) for e in (*self.results, *self.curves, *self.overall))]:
             for entry in entries:
-                entry["sampler"] += f" [{threads:g} threads]"
+                entry["sampler"] += f" [{count_text(int(threads), 'thread')}]"
 
 
 def read_statistics(folder):
