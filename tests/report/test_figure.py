@@ -256,7 +256,7 @@ def test_each_number_of_threads_has_its_figure(tmp_path):
         subprocess.run([PROGRAM, *words], cwd=tmp_path, check=True, capture_output=True)
     assert main([str(tmp_path / "r"), "-o", str(tmp_path / "f")]) == 0
     names = {path.name for path in (tmp_path / "f").glob("comparison*.pdf")}
-    assert names == {"comparison.pdf", "comparison_s__1_threads.pdf", "comparison_s__2_threads.pdf"}
+    assert names == {"comparison.pdf", "comparison_s__1_thread.pdf", "comparison_s__2_threads.pdf"}
     captions = (tmp_path / "f/captions.tex").read_text()
     assert "caption{s [1 thread] and s [2 threads] at" in captions and "{comparison_s__2_threads.pdf}" in captions
 

@@ -421,9 +421,12 @@ def test_every_kind_of_reference_works(good, tmp_path, reference):
 def test_of_many_methods_the_baseline_is_shown_and_no_sheet_is_said_to_be_missing(good, tmp_path):
     path = write_dump(tmp_path / "r.spool", samples(height=8, width=8)[0])
     sigmas = ",".join(f"gaussian{{sigma={0.2 + 0.01 * i:.2f}}}" for i in range(30))
+    good("evaluate", path, "--filters", "box,gaussian{sigma=0.20}", "--spp", "1,2", "--replicates", 2, "-o", "out")
+    assert (tmp_path / "out/r_1spp.png").exists()
     text = good("evaluate", path, "--filters", f"box,{sigmas}", "--spp", "1,2,3,4,5,6,7", "--replicates", 2, "-o", "out").out
     assert "ratio to uniform + box" in text and "and the baseline, of 217 in all" in text and "no ratio" not in text
     assert text.count("(baseline)") == 7 and "no sheet of more than 24 estimates" in text
+    assert not list((tmp_path / "out").glob("r_*spp.png"))  # one of the smaller plan would show some of the results only
     rules = json.loads((tmp_path / "out/statistics.json").read_text())["rules"]
     assert "order_low" in rules["order"] and "order_low" not in rules["interval"] + rules["verdict"]  # which the report prints
 

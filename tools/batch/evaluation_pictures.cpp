@@ -129,6 +129,8 @@ Result<std::string> EvaluationPictures::write_sheets(
   for (const Sheet& sheet : sheets_of(results)) {
     if (sheet.results.size() > kLargestSheet) {
       any_larger = true;
+      std::error_code none;  // of the plan before it grew: it shows some of these results only
+      std::filesystem::remove(sheet_of(sheet.first->dump, sheet.first->spp), none);
       continue;
     }
     const std::string& dump = dump_names_.at(sheet.first->dump);

@@ -80,7 +80,7 @@ def _name_threads(rows):
 
 
 def without_threads(sampler):
-    return re.sub(r" \[\d+ threads\]$", "", sampler)
+    return re.sub(r" \[\d+ threads?\]$", "", sampler)
 
 
 def _number(path, line, name, field):
