@@ -10,7 +10,7 @@
 namespace spool {
 namespace {
 
-constexpr int kLeastSamples = 3;  // of halves of one sample each none says what more are worth
+constexpr int kEnoughSamples = 3;  // of halves of one sample each none says what more are worth
 constexpr double kWeightsMemory = 320;  // bytes a pixel beside the parts' images
 
 class Ensemble {
@@ -21,7 +21,7 @@ class Ensemble {
   Result<Reconstruction> operator()(const Selection& selection, const SamplePool& pool,
                                     const FilterContext& context) const {
     const bool enough = std::ranges::all_of(selection.statistics.n.pixels(),
-                                            [](int n) { return n >= kLeastSamples; });
+                                            [](int n) { return n >= kEnoughSamples; });
     const bool halves = options_.weights == EnsembleWeights::kHalves;
     const bool split = halves && enough;
     const double runs = split ? 3.0 : 1.0;
