@@ -10,7 +10,7 @@
 namespace spool {
 namespace {
 
-constexpr int kEnoughSamples = 3;  // of halves of one sample each none says what more are worth
+constexpr int kEnoughSamples = 3;       // halves of one sample each cannot order the parts
 constexpr double kWeightsMemory = 320;  // bytes a pixel beside the parts' images
 
 class Ensemble {

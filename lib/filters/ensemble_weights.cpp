@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "lib/core/error.h"
 #include "lib/core/parallel.h"
@@ -41,26 +42,20 @@ namespace {
 
 // What the means of samples are held against.
 struct Surroundings {
-  RgbImage shape;    // the parts' picture and the floor
-  Plane top;         // luminance that a pixel's mean may have
-  Plane brightness;  // luminance of the shape, over the reach of the weights
+  const RgbImage& picture;  // of the parts
   double floor;
+  Plane top;    // luminance that a pixel's mean may have
+  Plane level;  // luminance of the picture, over the reach of the weights
 };
 
 Surroundings surroundings_of(const RgbImage& picture, double floor) {
-  Plane top(picture[0].width(), picture[0].height());
-  Surroundings around{picture, top, top, floor};
-  for (std::size_t p = 0; p < top.size(); ++p) {
-    top[p] = luminance_of(picture, p);
-    for (Plane& channel : around.shape)
-      channel[p] += floor;
-    around.brightness[p] = luminance_of(around.shape, p);
-  }
-  around.top = truncated_mean(top, four_sigma_taps(1.0));
-  for (double& value : around.top.pixels())
+  Plane bright(picture[0].width(), picture[0].height());
+  for (std::size_t p = 0; p < bright.size(); ++p)
+    bright[p] = luminance_of(picture, p);
+  Plane top = truncated_mean(bright, four_sigma_taps(1.0));
+  for (double& value : top.pixels())
     value = kLimit * (value + floor);
-  around.brightness = truncated_mean(around.brightness, four_sigma_taps(kReach));
-  return around;
+  return {picture, floor, std::move(top), truncated_mean(bright, four_sigma_taps(kReach))};
 }
 
 // `mean` with pixels far above their surroundings scaled down: a firefly judges nothing. What that
@@ -80,10 +75,11 @@ RgbImage judge_of(RgbImage mean, const Surroundings& around) {
   taken = truncated_mean(taken, taps);
   kept = truncated_mean(kept, taps);
   for (std::size_t p = 0; p < taken.size(); ++p) {
-    const double missing = around.brightness[p] - around.floor - kept[p];
-    const double back = std::min(taken[p], std::max(0.0, missing)) / around.brightness[p];
+    const double missing = around.level[p] - kept[p];
+    const double back =
+        std::min(taken[p], std::max(0.0, missing)) / (around.level[p] + around.floor);
     for (std::size_t c = 0; c < 3; ++c)
-      mean[c][p] += around.shape[c][p] * back;
+      mean[c][p] += (around.picture[c][p] + around.floor) * back;
   }
   return mean;
 }

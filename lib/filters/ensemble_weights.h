@@ -3,9 +3,9 @@
 // A_k, B_k: images of the even and of the odd samples by part k; yA, yB: means of the same samples;
 // mA, mB: means over k of A_k, B_k; m0 = max(0, (mA + mB) / 2); L: luminance of the scene.
 //
-//   top = 20 (G_1 luminance(m0) + 0.1 L),   tA = yA min(1, top / luminance(yA))
-//   u   = m0 + 0.1 L,   l(.) = G_16 luminance(.)
-//   TA  = tA + u min(l(yA) - l(tA), max(0, l(m0) - l(tA))) / l(u)                 TB likewise
+//   top  = 20 (G_1 luminance(m0) + 0.1 L),   tA = yA min(1, top / luminance(yA))
+//   TA   = tA + (m0 + 0.1 L) min(l(yA) - l(tA), max(0, l(m0) - l(tA))) / (l(m0) + 0.1 L)
+//          TB likewise;   l(.) = G_16 luminance(.)
 //   r_k  = G_16 sum omega (a_k (TB - mA) + b_k (TA - mB) + (a_k - b_k)(mA - mB) / 2)
 //   M_jk = G_16 sum omega (a_j a_k + b_j b_k - (a_j - b_j)(a_k - b_k) / 2)
 //   w    = argmin w'(M + t I) w - 2 (r + t / K)'w over w >= 0, sum 1

@@ -14,10 +14,10 @@ from tools.report.figure_text import significant
 from tools.report.figure_windows import asked_windows
 from tools.report.file_names import file_name_of, numbered
 from tools.report.metric_names import metric_name
-from tools.report.number_text import count_text, samples_text
+from tools.report.number_text import samples_text
 from tools.report.pixel_data import evaluated
 from tools.report.result_images import find_images
-from tools.report.results_table import choose_metric, read_results
+from tools.report.results_table import bracketed_threads, choose_metric, read_results
 from tools.report.statistics_file import best_is_alone, interval_of, read_statistics
 from tools.report.summary import name_of
 from tools.report.vocabulary import read_manifest
@@ -92,7 +92,7 @@ class FigureSet:
     def _label(self, condition):
         """Its recording; where numbers of threads are swept over, they too."""
         swept = len({c["threads"] for c in self.conditions}) > 1
-        return self.labels[condition["dump"]] + (f" [{count_text(int(condition['threads']), 'thread')}]" if swept else "")
+        return self.labels[condition["dump"]] + (bracketed_threads(condition["threads"]) if swept else "")
 
     def _block(self, condition):
         """The pictures of one recording; None where there are none to compare."""

@@ -76,7 +76,12 @@ def _name_threads(rows):
     """Where numbers of threads are swept over, they are part of the sampler's name."""
     if len({row["threads"] for row in rows}) > 1:
         for row in rows:
-            row["sampler"] += f" [{count_text(int(row['threads']), 'thread')}]"
+            row["sampler"] += bracketed_threads(row["threads"])
+
+
+def bracketed_threads(threads):
+    """What follows the name of a method that ran with several numbers of threads."""
+    return f" [{count_text(int(threads), 'thread')}]"
 
 
 def without_threads(sampler):

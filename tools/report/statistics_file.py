@@ -12,6 +12,7 @@ from tools.report.failure import Failure
 from tools.report.file_names import numbered
 from tools.report.metric_names import BIASED, metric_name
 from tools.report.number_text import count_text
+from tools.report.results_table import bracketed_threads
 from tools.report.vocabulary import read_json
 
 NAN = float("nan")
@@ -135,7 +136,7 @@ class Statistics:
         for entries, threads in [*((c["ranking"], c["threads"]) for c in self.conditions),
                                  *(([e], e["threads"]) for e in (*self.results, *self.curves, *self.overall))]:
             for entry in entries:
-                entry["sampler"] += f" [{count_text(int(threads), 'thread')}]"
+                entry["sampler"] += bracketed_threads(threads)
 
 
 def read_statistics(folder):
