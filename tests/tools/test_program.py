@@ -192,6 +192,15 @@ def test_synth_writes_a_scene_with_its_exact_reference(good, run, tmp_path):
     run("synth", names[0], "--size", "wide", "-o", "t.spool").failed_with(2, "WxH")
 
 
+def test_numbers_are_read_in_decimal(good, run, dump, tmp_path):
+    """In C, 010 is 8 and 0x10 is 16."""
+    for name, number in (("ten", "10"), ("zero_ten", "010")):
+        good("synth", "scene_s", "--size", 8, "--samples", number, "--seed", number, "-o", f"{name}.spool")
+    ten, other = (spool.open(tmp_path / f"{name}.spool").read("radiance") for name in ("ten", "zero_ten"))
+    assert ten.shape[2] == 10 and np.array_equal(ten, other)
+    run("reconstruct", dump, "--filter", "box", "--spp", "0x2", "-o", "a.exr").failed_with(2, "--spp: '0x2' is not a number in 1 .. 65536")
+
+
 def test_one_is_singular_and_two_are_plural(good, run):
     for n, word in ((1, "1 sample"), (2, "2 samples")):
         assert f"{word} each" in good("synth", "constant", "--size", f"{n}x1", "--samples", n, "-o", f"{n}.spool").out

@@ -83,10 +83,10 @@ void add_pixel(Program& program) {
   CLI::Option* evaluation =
       verb.add_option("--evaluation-seed", options.evaluation_seed,
                       "the seed of an evaluation: the order in which its replicate 0 takes samples")
-          ->check(seed_check());
+          ->transform(seed_check());
   add_order(verb, options.pool.order)->excludes(evaluation);
   verb.add_option("--seed", options.pool.seed, "seed of the order (0)")
-      ->check(seed_check())
+      ->transform(seed_check())
       ->excludes(evaluation);
   within(verb.add_option("--holdout", options.pool.holdout,
                          "samples per pixel that are never offered (0)"),

@@ -1,6 +1,7 @@
 #include "tools/command_line/program.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -9,6 +10,21 @@
 #include "lib/core/option_table.h"
 
 namespace spool::tools {
+namespace {
+
+// CLI11 itself reads whole numbers as C does: 010 as 8, 0x10 as 16.
+std::string in_decimal(std::string& text) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  if (!parse_number("", text, -kAny, kAny)) return "is no number";  // misspelt.h words it
+  const std::size_t sign = text.starts_with('-') ? 1 : 0;
+  std::size_t zeros = 0;
+  while (text[sign + zeros] == '0' && std::isdigit(text[sign + zeros + 1]))
+    ++zeros;
+  text.erase(sign, zeros);
+  return "";
+}
+
+}  // namespace
 
 std::string empty_option(const CLI::App& verb) {
   for (const CLI::Option* option : verb.get_options())
@@ -34,7 +50,8 @@ void group_options(CLI::App& verb, const char* group, std::initializer_list<cons
 }
 
 CLI::Option* within(CLI::Option* option, const Bounds& bounds) {
-  return option->type_name(number_range(bounds.lowest, bounds.highest));
+  return option->transform(CLI::Validator(in_decimal, ""))
+      ->type_name(number_range(bounds.lowest, bounds.highest));
 }
 
 CLI::Option* repeatable(CLI::Option* option) {
@@ -56,16 +73,18 @@ std::vector<std::string> written_choices(const CLI::Option& option) {
   return choices;
 }
 
-// CLI11 itself wraps what is negative.
+// CLI11 itself wraps what is negative, and takes 010 for 8.
 CLI::Validator seed_check() {
   return CLI::Validator(
       [](std::string& text) -> std::string {
         std::int64_t seed = -1;
         const char* end = text.data() + text.size();
         const auto parsed = std::from_chars(text.data(), end, seed);
-        if (parsed.ec == std::errc() && parsed.ptr == end && seed >= 0) return "";
-        return fmt::format("a seed is a whole number from 0 to {}, not {}",
-                           std::numeric_limits<std::int64_t>::max(), text);
+        if (parsed.ec != std::errc() || parsed.ptr != end || seed < 0)
+          return fmt::format("a seed is a whole number from 0 to {}, not {}",
+                             std::numeric_limits<std::int64_t>::max(), text);
+        text = std::to_string(seed);
+        return "";
       },
       "");
 }
@@ -111,7 +130,7 @@ CLI::Option* add_order(CLI::App& verb, PoolOrder& order) {
 void add_pool(CLI::App& verb, PoolOptions& pool) {
   add_order(verb, pool.order);
   verb.add_option("--seed", pool.seed, "seed of the order and of the method (0)")
-      ->check(seed_check());
+      ->transform(seed_check());
   within(verb.add_option("--holdout", pool.holdout, "samples per pixel that are never offered (0)"),
          kHoldout);
   within(verb.add_option("--pieces", pool.pieces_per_side, kPieces), kPiecesPerSide);

@@ -83,13 +83,14 @@ void runs(CLI::App& verb, Program& program,
 void add_common(CLI::App& verb, CommonOptions& common, bool json, bool force);
 // Puts options below a heading of the help.
 void group_options(CLI::App& verb, const char* group, std::initializer_list<const char*> options);
-// Says in the help what the option may be; looked at by validate() of the verb.
+// Reads the number in decimal, and says in the help what it may be, which validate() of the verb
+// looks at.
 CLI::Option* within(CLI::Option* option, const Bounds& bounds);
 // May be given several times, with one value each.
 CLI::Option* repeatable(CLI::Option* option);
 // Every value there is, where CLI11 or the option's text lists them.
 std::vector<std::string> written_choices(const CLI::Option& option);
-// A seed as plans have it, too: TOML has no larger numbers.
+// A seed as plans have it, too, in decimal: TOML has no larger numbers.
 CLI::Validator seed_check();
 void add_dump(CLI::App& verb, std::filesystem::path& dump);
 // --layer and --part, with `before` in front of both words.

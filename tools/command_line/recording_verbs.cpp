@@ -123,7 +123,7 @@ void add_synth(Program& program) {
   verb.add_option("NAME", options.scene, "see spool list scenes")->required();
   verb.add_option("--size", options.size, "WxH or N pixels (128x128)");
   within(verb.add_option("--samples", options.spp, "per pixel (64)"), kSamples);
-  verb.add_option("--seed", options.seed, "of the samples (1)")->check(seed_check());
+  verb.add_option("--seed", options.seed, "of the samples (1)")->transform(seed_check());
   repeatable(verb.add_option("--set", options.settings,
                              "OPTION=VALUE of the scene: see spool list scenes"));
   verb.add_flag("--compress", options.compress, "zstd, where it saves 5 % or more");

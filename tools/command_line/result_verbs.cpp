@@ -47,7 +47,7 @@ void add_judging(CLI::App& verb, EvaluateOptions& options) {
   within(verb.add_option("--holdout", options.holdout,
                          "samples per pixel kept for judging (a quarter, where they are needed)"),
          kHoldout);
-  verb.add_option("--seed", options.seed, "seed of all replicates (1)")->check(seed_check());
+  verb.add_option("--seed", options.seed, "seed of all replicates (1)")->transform(seed_check());
   verb.add_flag("--recorded-order", options.recorded_order,
                 "take samples in recorded order, which is one replicate");
   within(verb.add_option("--pieces", options.pieces_per_side, kPieces), kPiecesPerSide);
