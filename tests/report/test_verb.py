@@ -99,6 +99,15 @@ def test_what_is_missing_is_named_in_one_line(evaluated, tmp_path):
     assert not output.exists() and pinned_hashes()
 
 
+def test_a_report_replaces_no_pipe_or_device_and_no_link_unasked(evaluated, tmp_path):
+    pipe, link = tmp_path / "pipe.html", tmp_path / "link.html"
+    os.mkfifo(pipe)
+    link.symlink_to("nowhere.html")
+    failed(run("report", evaluated / "results", "-o", pipe, "--force", SPOOL_PYTHON=sys.executable), 2, "pipe.html", "no regular file")
+    failed(run("report", evaluated / "results", "-o", link, SPOOL_PYTHON=sys.executable), 2, "link.html", "--force")
+    assert pipe.is_fifo() and link.is_symlink()
+
+
 def leaves(value, path=()):
     """(path, value) of every leaf; of a list, only the first and the last entry."""
     if isinstance(value, dict):

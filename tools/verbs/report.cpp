@@ -6,10 +6,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/file_handle.h"
 #include "formats/target_watch.h"
 #include "lib/core/guards.h"
 #include "lib/experiment/result_table.h"
 #include "lib/filters/filters.h"
+#include "lib/image_io/atomic_file.h"
 #include "lib/metrics/metric_options.h"
 #include "lib/sampling/samplers.h"
 #include "tools/batch/cell_store.h"
@@ -70,6 +72,8 @@ Result<void> validate(const ReportOptions& options) {
 
 Result<void> run_report(const ReportOptions& options, const CommonOptions& common) {
   SPOOL_TRY(validate(options));
+  SPOOL_TRY(refuse_existing(options.output, common.force));
+  SPOOL_TRY(format::refuse_special_file(options.output));
   std::error_code ignored;
   for (const auto& entry : fs::recursive_directory_iterator(options.folder, ignored))
     if (entry.path().extension() != ".html")
