@@ -252,6 +252,15 @@ def test_a_name_that_is_no_utf_8(path):
             call()
 
 
+def test_a_name_with_line_ends_that_only_text_has(path, tmp_path):
+    """JSON writes them as they are, and str.splitlines() would break its lines there."""
+    other = path.with_name("a\u2028b\x85c.spool")
+    os.rename(path, other)
+    plan = {"recordings": [other], "samplers": ["uniform"], "filters": ["box"], "spp": [2], "replicates": 2}
+    rows = spool.evaluate(plan, output=tmp_path / "results").rows
+    assert [row["dump"] for row in rows] == [other.stem] * 2 and rows == spool.results(tmp_path / "results").rows
+
+
 def test_a_closed_recording(path):
     dump = spool.open(path)
     dump.close()

@@ -88,7 +88,7 @@ class Results:
     @functools.cached_property
     def rows(self) -> list[dict]:
         """A dict for each result, as results.jsonl has them."""
-        return [_parsed(self.folder, _FILES[0], line) for line in _read(self.folder, _FILES[0]).splitlines()]
+        return [_parsed(self.folder, _FILES[0], line) for line in _read(self.folder, _FILES[0]).split("\n") if line]
 
     @functools.cached_property
     def statistics(self) -> dict:
