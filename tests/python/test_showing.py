@@ -131,6 +131,17 @@ def test_show_takes_what_there_is(dump, image, truth, tmp_path, layers):
     assert facts(spool.show({HOSTILE: image, "\ud800": image, 3: image}))["samplers"] == [HOSTILE, "\\ud800", "3"]
 
 
+def test_no_image_is_lost_to_another_of_its_name(image, tmp_path):
+    from spool import exr
+    assert facts(spool.show({1: image, "1": image}))["samplers"] == ["1", "1 (2)"]
+    for folder in ("x", "y"):
+        (tmp_path / folder).mkdir()
+    files = [tmp_path / name for name in ("a (3).exr", "x/a.exr", "y/a.exr")]
+    for file in files:
+        exr.write(file, dict(zip("RGB", np.moveaxis(np.asarray(image, "f4"), 2, 0))))
+    assert facts(spool.show(files))["samplers"] == ["a (3)", "a", "a (3) (3)"]
+
+
 def test_what_a_file_has_besides_is_a_warning(image, tmp_path, recwarn):
     from spool import exr
     planes = dict(zip("RGB", np.moveaxis(np.asarray(image, "f4"), 2, 0)))

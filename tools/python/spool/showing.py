@@ -54,7 +54,7 @@ def show(images, *, reference=None, crops: Iterable = (), title: str = "", expos
     first image. `max_mb`: megabytes of images; larger ones are shrunk, and the page says so.
     """
     files: list = []  # (path, where its pixels lie)
-    named = {_text(name): _array_of(image, _text(name), files) for name, image in _named(images).items()}
+    named = {name: _array_of(image, name, files) for name, image in _named(images).items()}
     judge = None if reference is None else _reference_of(reference, files)
     _core.check_windows(files)
     entries = [(name, "", 0.0, image, None, None, None) for name, image in named.items()]
@@ -111,14 +111,18 @@ def _generated(planes):
 
 
 def _named(images):
+    """{name as it can be written: image}, none of them lost to another of its name."""
     if isinstance(images, Mapping):
-        return images
-    if not isinstance(images, (list, tuple)):
-        return {_name_of(images, 0): images}
+        pairs = list(images.items())
+    else:
+        listed = images if isinstance(images, (list, tuple)) else [images]
+        pairs = [(_name_of(image, i), image) for i, image in enumerate(listed)]
     named = {}
-    for i, image in enumerate(images):
-        name = _name_of(image, i)
-        named[f"{name} ({i + 1})" if name in named else name] = image
+    for i, (name, image) in enumerate(pairs):
+        name = _text(name)
+        while name in named:
+            name += f" ({i + 1})"
+        named[name] = image
     return named
 
 
