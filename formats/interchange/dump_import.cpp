@@ -211,6 +211,13 @@ Result<ImportReport> write_dump(const std::filesystem::path& out, DumpPlan plan,
     source_bytes += file.bytes;
   }
   SPOOL_TRY(options.expansion.check(source, stored_bytes(plan.layers), source_bytes));
+  for (const ForeignLayer& layer : plan.layers)
+    if (is_reference_layer(layer.name) && layer.scope != Scope::kPixel)
+      return fail(
+          ErrorCode::kData,
+          "{}: {} has a value for each sample, and a recording has one for each pixel: leave "
+          "it out, or give one picture",
+          source, layer.name);
   const std::vector<uint16_t> groups = assign_groups(plan.layers);
   const DumpHeader header = make_header(plan, groups, options);
   if (const auto valid = format::check_channels(header.channels); !valid)

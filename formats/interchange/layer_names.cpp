@@ -79,4 +79,8 @@ bool is_layer_name(std::string_view layer) {
                      [&](char c) { return lower(c) || (c >= '0' && c <= '9') || c == '_'; });
 }
 
+bool is_reference_layer(std::string_view layer) {
+  return layer == "reference" || layer == "reference_variance";
+}
+
 }  // namespace spool::interchange

@@ -26,4 +26,7 @@ std::vector<std::string> listed_layer_names();
 // A lower-case letter, then lower-case letters, digits or '_'; at most 29 bytes, so that ".X" fits.
 bool is_layer_name(std::string_view layer);
 
+// Of one value per pixel in every recording: what images are judged by.
+bool is_reference_layer(std::string_view layer);
+
 }  // namespace spool::interchange

@@ -240,7 +240,8 @@ class Mapper {
       SPOOL_TRY(add_only(std::string(row.ours), row.theirs, both));
     for (const ExrLayer& layer : layers_) {
       const std::string ours = lower_case(layer.name);
-      if (interchange::find_layer_name(ours) && ours != "radiance")
+      if (interchange::find_layer_name(ours) && ours != "radiance" &&
+          !interchange::is_reference_layer(ours))  // of one image among many, it is no reference
         SPOOL_TRY(add_only(ours, ours, false));
     }
     // Z beside R, G, B in their layer.

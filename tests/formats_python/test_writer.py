@@ -149,6 +149,7 @@ def test_write_never_guesses(tmp_path):
     usage(spool.write, path, radiance, half_vector=radiance)
     usage(spool.write, path, radiance.astype("i8"))
     usage(spool.write, path, radiance, scope={"film": "pass"})
+    usage(spool.write, path, radiance, reference=radiance, scope={"reference": "sample"})
     assert not os.listdir(tmp_path)
     spool.write(path, radiance, half_vector=radiance, components={"half_vector": "XYZ"}, dtypes={"half_vector": "f2"})
     with spool.open(path) as dump:

@@ -271,6 +271,18 @@ def test_images_are_taken_in_the_order_of_their_numbers(tmp_path, names, words):
     sample_dumps.assert_same(path, {"radiance": np.ascontiguousarray(SAMPLES.transpose(1, 2, 0, 3))})
 
 
+def test_a_reference_in_every_image_is_none_of_the_recording(tmp_path):
+    """As a layer of samples it would make a recording that no method opens."""
+    source = folder(tmp_path, [*"RGB", *(f"reference.{c}" for c in "RGB")], list(np.concatenate([SAMPLES, SAMPLES], axis=3)))
+    code, message, path = imported(tmp_path, source)
+    assert code == 0 and "not taken over: reference" in message, message
+    with spool.open(path) as dump:
+        assert list(dump.layers) == ["radiance"]
+    path.unlink()
+    code, message, path = imported(tmp_path, source, "map=reference=reference")
+    assert code == 1 and "reference has a value for each sample" in message and not path.exists(), message
+
+
 def test_files_that_are_no_samples_are_left_out_and_named(tmp_path):
     source = folder(tmp_path, "RGB", list(SAMPLES))
     (source / "._frame_003.exr").write_bytes(b"\0\5\x16\7")

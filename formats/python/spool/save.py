@@ -41,6 +41,8 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
     for name, values in arrays.items():
         if name not in components and name not in VOCABULARY:
             raise SpoolError("usage", f"{path}: layer {name} is not in the list: name its components")
+        if name in PIXEL_LAYERS and scope.get(name, "pixel") != "pixel":
+            raise SpoolError("usage", f"{path}: {name} has one value per pixel: leave its scope out")
         code = dtypes.get(name) or _DTYPES.get(values.dtype.newbyteorder("=").str[1:])
         if code is None:
             raise SpoolError("usage", f"{path}: layer {name} is {values.dtype}: convert it with astype")
