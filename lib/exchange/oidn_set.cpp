@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/file_set.h"
+#include "formats/layer_components.h"
 #include "formats/spool_reader.h"
 #include "lib/core/image.h"
 #include "lib/image_io/exr_image.h"
@@ -25,11 +26,13 @@ struct OidnSetOptions : interchange::ExportOptions {
 
 struct Feature {
   const char* layer;
+  const char* components;
   const char* suffix;
   double lowest, highest;  // what OIDN's loader cuts off
 };
-constexpr Feature kFeatures[] = {
-    {"radiance", "hdr", 0.0, HUGE_VAL}, {"albedo", "alb", 0.0, 1.0}, {"normal", "nrm", -1.0, 1.0}};
+constexpr Feature kFeatures[] = {{"radiance", "RGB", "hdr", 0.0, HUGE_VAL},
+                                 {"albedo", "RGB", "alb", 0.0, 1.0},
+                                 {"normal", "XYZ", "nrm", -1.0, 1.0}};
 
 // Means of the first n samples, for every n of `counts` (ascending).
 Result<std::vector<RgbImage>> prefix_means(const format::SpoolReader& dump, const char* layer,
@@ -73,7 +76,7 @@ uint64_t outside(const RgbImage& image, const Feature& feature) {
 
 Result<RgbImage> reference_image(const format::SpoolReader& dump) {
   const auto layer = dump.find_layer("reference");
-  if (!layer || layer->scope != Scope::kPixel || layer->channel_count != 3)
+  if (!layer || layer->scope != Scope::kPixel || !has_components(*layer, "RGB"))
     return fail(ErrorCode::kData,
                 "{}: no reference from other seeds: the largest input would become the target; "
                 "record one",
@@ -111,7 +114,7 @@ Result<std::vector<uint32_t>> counts_of(const OidnSetOptions& options, uint32_t 
 
 bool is_recorded(const format::SpoolReader& dump, const Feature& feature) {
   const auto layer = dump.find_layer(feature.layer);
-  return layer && layer->scope == Scope::kSample && layer->channel_count == 3;
+  return layer && layer->scope == Scope::kSample && has_components(*layer, feature.components);
 }
 
 // Of NAME_0008spp.hdr.exr and the like in `out`, whatever their counts: the trainer would take
@@ -175,7 +178,8 @@ Result<ExportReport> export_oidn_set(const std::filesystem::path& in,
   for (const Feature& feature : kFeatures) {
     const bool light = feature.layer == kFeatures[0].layer;
     if (!is_recorded(dump, feature)) {
-      report.notes.push_back(std::string("no ") + feature.layer + ": not recorded");
+      report.notes.push_back(fmt::format("no {}: not recorded as {} of each sample", feature.layer,
+                                         feature.components));
       continue;
     }
     std::vector<uint32_t> wanted = counts;

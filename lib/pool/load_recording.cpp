@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "formats/bounded_json.h"
+#include "formats/layer_components.h"
 #include "formats/spool_reader.h"
 #include "lib/pool/holding.h"
 #include "lib/pool/reference_check.h"
@@ -75,8 +76,8 @@ Result<void> load_film(const std::shared_ptr<const SpoolReader>& reader, SampleF
                        const Holding& holding, RecordedSamples& samples) {
   const auto layer = reader->find_layer("film");
   if (!layer) return {};
-  if (layer->components != std::vector<std::string>{"X", "Y"} ||
-      layer->scope == format::Scope::kPixel || layer->type == format::DataType::kUint32) {
+  if (!has_components(*layer, "XY") || layer->scope == format::Scope::kPixel ||
+      layer->type == format::DataType::kUint32) {
     return fail(
         ErrorCode::kData,
         "{}: layer film is not X, Y of each sample or pass: record it as formats/spool.md 10 "
@@ -88,16 +89,18 @@ Result<void> load_film(const std::shared_ptr<const SpoolReader>& reader, SampleF
                                      : Result<void>();
 }
 
-Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
+Result<RgbImage> pixel_image(const SpoolReader& reader, const format::LayerInfo& layer) {
+  if (!has_components(layer, "RGB") || layer.scope != format::Scope::kPixel ||
+      layer.type == format::DataType::kUint32) {
+    return fail(ErrorCode::kData,
+                "{}: layer {} is not R, G, B of each pixel: record it as in formats/spool.md, "
+                "section 10",
+                reader.path().string(), layer.name);
+  }
   const int width = static_cast<int>(reader.header().width);
   const int height = static_cast<int>(reader.header().height);
-  SPOOL_ASSIGN(const std::vector<float> values, reader.read_pixel_layer(layer));
+  SPOOL_ASSIGN(const std::vector<float> values, reader.read_pixel_layer(layer.name));
   RgbImage image = make_rgb(width, height);
-  if (values.size() != 3 * image[0].size()) {
-    return fail(ErrorCode::kData,
-                "{}: layer {} is not R, G, B: record it as in formats/spool.md, section 10",
-                reader.path().string(), layer);
-  }
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t p = 0; p < image[c].size(); ++p)
       image[c][p] = values[c * image[c].size() + p];
@@ -106,11 +109,12 @@ Result<RgbImage> pixel_image(const SpoolReader& reader, const char* layer) {
 }
 
 Result<void> load_reference(const SpoolReader& reader, RecordedSamples& samples) {
-  if (!reader.find_layer("reference")) return {};
+  const auto mean = reader.find_layer("reference");
+  if (!mean) return {};
   Reference reference;
-  SPOOL_ASSIGN(reference.mean, pixel_image(reader, "reference"));
-  if (reader.find_layer("reference_variance")) {
-    SPOOL_ASSIGN(reference.variance_of_mean, pixel_image(reader, "reference_variance"));
+  SPOOL_ASSIGN(reference.mean, pixel_image(reader, *mean));
+  if (const auto variance = reader.find_layer("reference_variance")) {
+    SPOOL_ASSIGN(reference.variance_of_mean, pixel_image(reader, *variance));
   }
   SPOOL_TRY(check_reference(reference, reader.path().string()));
   samples.set_reference(std::move(reference));
@@ -123,11 +127,8 @@ void offer_features(const std::shared_ptr<const SpoolReader>& reader, RecordedSa
   for (const auto& [name, components] :
        {std::pair{"albedo", "RGB"}, {"normal", "XYZ"}, {"depth", "Z"}}) {
     const auto layer = reader->find_layer(name);
-    if (!layer || layer->scope != format::Scope::kSample) continue;
-    std::string letters;
-    for (const std::string& component : layer->components)
-      letters += component;
-    if (letters == components) features.push_back({name, components});
+    if (layer && layer->scope == format::Scope::kSample && has_components(*layer, components))
+      features.push_back({name, components});
   }
   samples.set_features(
       std::move(features), [reader](const FeatureLayer& layer, const Rectangle& pixels, int count) {

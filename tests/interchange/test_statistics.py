@@ -118,6 +118,15 @@ def test_a_set_without_a_reference_is_refused(tmp_path):
     assert not (tmp_path / "set").exists()
 
 
+def test_colours_in_another_order_are_not_taken_for_rgb(tmp_path):
+    samples = np.ones((4, 4, 2, 3), "f4")
+    spool.write(tmp_path / "a.spool", samples, albedo=samples, reference=samples[:, :, 0], components={"albedo": "BGR"})
+    spool.write(tmp_path / "b.spool", samples, reference=samples[:, :, 0], components={"reference": "BGR"})
+    one, two = run_jobs(*(("export oidn", tmp_path / f"{name}.spool", tmp_path / name) for name in "ab"))
+    assert one[0] == 0 and "no albedo: not recorded as RGB" in one[1] and not list((tmp_path / "a").glob("*.alb.exr"))
+    assert two[0] == 1 and "no reference" in two[1]
+
+
 def oidn_source(path, spp, value=1):
     spool.write(path, np.full((3, 4, spp, 3), value, "f4"), reference=np.full((3, 4, 3), value, "f4"))
     return path

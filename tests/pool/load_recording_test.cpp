@@ -320,12 +320,13 @@ TEST(LoadRecording, MissingBlockIsRefusedWithItsTile) {
 }
 
 // Of a recording of 30 pixels whose reference and its variance are these values everywhere.
-Result<void> loaded_with(const ScratchFolder& folder, float reference, float variance) {
+Result<void> loaded_with(const ScratchFolder& folder, float reference, float variance,
+                         const std::string& components = "RGB") {
   format::DumpHeader header = small_header(format::DataType::kFloat32);
   for (const std::uint16_t group : std::initializer_list<std::uint16_t>{1, 2})
-    for (const char* component : {".R", ".G", ".B"})
+    for (const char component : components)
       header.channels.push_back(
-          {(group == 1 ? "reference" : "reference_variance") + std::string(component), group,
+          {fmt::format("{}.{}", group == 1 ? "reference" : "reference_variance", component), group,
            format::DataType::kFloat32, 1, format::Scope::kPixel});
   SPOOL_ASSIGN(auto writer,
                format::SpoolWriter::create(folder / "r.spool", header, {.force = true}));
@@ -338,6 +339,17 @@ Result<void> loaded_with(const ScratchFolder& folder, float reference, float var
   }
   SPOOL_TRY(writer.finish());
   return load_recording(folder / "r.spool").map([](const auto&) {});
+}
+
+TEST(LoadRecording, AReferenceInAnotherOrderOfColoursIsNotTakenForRgb) {
+  const ScratchFolder folder;
+  EXPECT_TRUE(loaded_with(folder, 1.0f, 0.5f).has_value());
+  for (const char* components : {"BGR", "XYZ"}) {
+    const Result<void> loaded = loaded_with(folder, 1.0f, 0.5f, components);
+    ASSERT_FALSE(loaded.has_value()) << components;
+    EXPECT_NE(loaded.error().message.find("layer reference is not R, G, B"), std::string::npos)
+        << loaded.error().message;
+  }
 }
 
 TEST(LoadRecording, AReferenceThatCannotJudgeIsRefusedWithItsPixel) {
