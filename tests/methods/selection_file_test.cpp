@@ -1,6 +1,10 @@
 // What replay writes and reconstruct reads: the same image to the last bit.
 #include "tools/methods/selection_file.h"
 
+#include <limits>
+#include <string>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "lib/experiment/decision_split.h"
@@ -131,6 +135,44 @@ TEST(SelectionFile, AnAttenuationThatSomebodyChangedIsTaken) {
   Plane expected = sampled->selection.attenuation[2];
   expected(3, 4) = 0.25;
   EXPECT_EQ(changed->attenuation[2], expected);
+}
+
+TEST(SelectionFile, AnOrderOfSamplesThatSomebodyChangedIsRefused) {
+  const test::ScratchFolder folder;
+  const SamplePool pool = test::noisy_pool(8, 8, 16);
+  const auto sampled =
+      (*make_method(samplers(), {"uniform", "", {}}))(pool, 8 * 8 * 6, SamplingContext{});
+  const auto path = folder / "selection.exr";
+  ASSERT_TRUE(write_selection(path, sampled->selection, {"uniform", "noisy", {}}, false));
+  ExrFile sound = *read_exr(path);
+  sound.number_attributes = {{"spool.holdout", 0.0}, {"spool.pieces_per_side", 1.0}};
+  const auto expect_refused = [&](const std::string& name, const ExrFile& changed) {
+    const auto written = write_exr(path, changed, {.overwrite = true});
+    ASSERT_TRUE(written.has_value()) << written.error().message;
+    const auto read = read_selection(path);
+    ASSERT_FALSE(read.has_value()) << name;
+    EXPECT_EQ(read.error().code, ErrorCode::kData);
+    EXPECT_NE(read.error().message.find(name), std::string::npos) << read.error().message;
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [name, value] : {std::pair{"spool.holdout", kNaN},
+                                    {"spool.holdout", 1.5},
+                                    {"spool.holdout", -1.0},
+                                    {"spool.holdout", 1e300},
+                                    {"spool.pieces_per_side", kNaN},
+                                    {"spool.pieces_per_side", 3.0}}) {
+    ExrFile changed = sound;
+    changed.number_attributes[name] = value;
+    expect_refused(name, changed);
+  }
+  for (const auto& [name, value] : {std::pair{"spool.pool_order", "shufled"},
+                                    {"spool.pool_seed", "x"},
+                                    {"spool.pool_seed", "-1"},
+                                    {"spool.pool_seed", ""}}) {
+    ExrFile changed = sound;
+    changed.text_attributes[name] = value;
+    expect_refused(name, changed);
+  }
 }
 
 }  // namespace

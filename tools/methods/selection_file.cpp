@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "lib/core/counted.h"
@@ -37,7 +37,9 @@ Result<CountImage> counts_of(const NamedPlane& channel, const std::string& name)
   return n;
 }
 
-std::optional<PoolOptions> pool_options_of(const ExrFile& file) {
+// Nothing in an image made elsewhere. Of an attribute that a tool changed, the counts would be of
+// other samples than those they were decided on.
+Result<std::optional<PoolOptions>> pool_options_of(const ExrFile& file, const std::string& name) {
   const auto order = file.text_attributes.find("spool.pool_order");
   const auto seed = file.text_attributes.find("spool.pool_seed");
   const auto holdout = file.number_attributes.find("spool.holdout");
@@ -46,11 +48,26 @@ std::optional<PoolOptions> pool_options_of(const ExrFile& file) {
       holdout == file.number_attributes.end() || side == file.number_attributes.end()) {
     return std::nullopt;
   }
+  const auto refuse = [&](const auto& attribute) {
+    return fail(ErrorCode::kData,
+                "{}: attribute {} is '{}', was it edited? Replay the sampler again", name,
+                attribute->first, attribute->second);
+  };
   PoolOptions options;
-  options.order = order->second == "shuffled" ? PoolOrder::kShuffled : PoolOrder::kRecorded;
-  options.seed = std::strtoull(seed->second.c_str(), nullptr, 10);
-  options.holdout = static_cast<int>(std::clamp(holdout->second, 0.0, kLargestCount));
-  options.pieces_per_side = side->second == 2.0 ? 2 : 1;
+  if (order->second == "shuffled") {
+    options.order = PoolOrder::kShuffled;
+  } else if (order->second != "recorded") {
+    return refuse(order);
+  }
+  const char* end = seed->second.data() + seed->second.size();
+  const auto parsed = std::from_chars(seed->second.data(), end, options.seed);
+  if (parsed.ec != std::errc() || parsed.ptr != end) return refuse(seed);
+  const double held = holdout->second;
+  // Written so that NaN fails.
+  if (!(held >= 0.0 && held <= kLargestCount) || held != std::floor(held)) return refuse(holdout);
+  options.holdout = static_cast<int>(held);
+  if (side->second != 1.0 && side->second != 2.0) return refuse(side);
+  options.pieces_per_side = static_cast<int>(side->second);
   return options;
 }
 
@@ -188,7 +205,7 @@ Result<SelectionFile> read_selection(const std::filesystem::path& path) {
     return fail(ErrorCode::kData, "{}: no piece has a sample: raise the budget or check the counts",
                 path.string());
   read_rest(file, "", selection);
-  selection.pool = pool_options_of(file);
+  SPOOL_ASSIGN(selection.pool, pool_options_of(file, path.string()));
   for (const char* part : kHalves) {
     const std::string channel = std::string(part) + "n";
     const Plane* counts = file.find(channel);
