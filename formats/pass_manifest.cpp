@@ -109,6 +109,14 @@ Result<void> read_recording(const fs::path& path, PassManifest& manifest) {
                 "first",
                 path.string());
   }
+  // Remarks about layers, to which packing adds one about film.
+  const auto holds_remarks = [](const json& value) { return value.is_object() || value.is_null(); };
+  const json layers = recording.value("layers", json());
+  if (!holds_remarks(layers) ||
+      (layers.is_object() && !holds_remarks(layers.value("film", json())))) {
+    return fail(ErrorCode::kData, "{}: layers must be an object of objects: run the recorder again",
+                path.string());
+  }
   manifest.width = static_cast<uint32_t>(width);
   manifest.height = static_cast<uint32_t>(height);
   manifest.recording = recording.dump();

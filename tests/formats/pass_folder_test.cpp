@@ -517,7 +517,9 @@ TEST_F(PassFolderTest, BadKeysOfTheRecordingAreNamed) {
       {"height", 1.5, "width and height"},
       {"mode", "naive", "mode must be"},
       {"channels", json::array(), "channels must be"},
-      {"channels", "radiance.R", "channels must be"}};
+      {"channels", "radiance.R", "channels must be"},
+      {"layers", json::array(), "layers must be"},
+      {"layers", {{"film", 5}}, "layers must be"}};
   for (const auto& [key, value, message] : cases) {
     json changed = recording("shift");
     changed[key] = value;
