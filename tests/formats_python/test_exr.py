@@ -64,3 +64,13 @@ def test_a_picture_of_another_place_is_not_taken_for_one_at_the_origin(tmp_path)
     path.write_bytes(data.replace(b"displayWindow\0box2i\0\x10\0\0\0" + window, b"displayWindow\0box2i\0\x10\0\0\0" + moved))
     with pytest.raises(spool.SpoolError, match="a.exr: not an OpenEXR image that spool writes .the data window is not the display window"):
         spool.exr.read(path)
+
+
+@pytest.mark.parametrize("call", [
+    lambda to: spool.exr.read(None), lambda to: spool.exr.read("a\0.exr"), lambda to: spool.exr.write(None, {"Y": np.ones((2, 3))}),
+    lambda to: spool.exr.write(to, [np.ones((2, 3))]), lambda to: spool.exr.write(to, {"\ud800": np.ones((2, 3))}),
+    lambda to: spool.exr.write(to, {7: np.ones((2, 3))}), lambda to: spool.exr.write(to, {"": np.ones((2, 3))})])
+def test_arguments_of_the_wrong_kind_are_a_spool_error(call, tmp_path):
+    with pytest.raises(spool.SpoolError):
+        call(tmp_path / "a.exr")
+    assert not list(tmp_path.iterdir())

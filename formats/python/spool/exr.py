@@ -17,7 +17,8 @@ import zlib
 
 import numpy as np
 
-from .arguments import array, flag
+from .arguments import array, flag, mapping
+from .arguments import path as path_of
 from .error import SpoolError, open_regular
 
 MAGIC = 20000630
@@ -31,7 +32,7 @@ DEFLATE_LIMIT = 1032  # no deflate stream expands further
 
 def read(path):
     """{channel name: array [y][x]} in the file's own types: float16, float32 or uint32."""
-    name = os.fspath(path)
+    name = path_of("path", path)
     try:
         with open_regular(name) as file:
             data = file.read()
@@ -46,14 +47,14 @@ def read(path):
 def write(path, channels, *, force=False):
     """Arrays [y][x] of one shape: unsigned integers become uint, float16 half, all else float. A file that exists stays
     unless `force`."""
-    final = os.fspath(path)
+    final = path_of("path", path)
     if not flag("force", force) and os.path.lexists(final):
         raise SpoolError("usage", f"{final}: exists: choose another name or give force=True")
     if os.path.exists(final) and not os.path.isfile(final):
         raise SpoolError("usage", f"{final}: is no regular file: give the name of a file")
     planes = {}
-    for name, plane in channels.items():
-        if not isinstance(name, str) or not 0 < len(name.encode()) < 256 or "\0" in name:
+    for name, plane in mapping("channels", channels).items():
+        if not 0 < len(name.encode()) < 256:
             raise SpoolError("usage", f"{final}: {name!r} is no name of a channel")
         plane = array(f"{final}: {name}", plane, "biuf")
         wide = "<u4" if plane.dtype.kind == "u" else "<f2" if plane.dtype.kind == "f" and plane.itemsize == 2 else "<f4"
