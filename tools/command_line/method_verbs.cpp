@@ -5,6 +5,14 @@
 #include "lib/core/option_table.h"
 
 namespace spool::tools {
+namespace {
+
+// Not 0, which inside of the program stands for an option that was left out.
+CLI::Validator some_samples() {
+  return CLI::Range(kSamples.lowest, kSamples.highest).description("");
+}
+
+}  // namespace
 
 void add_replay(Program& program) {
   CLI::App& verb = *program.app.add_subcommand(
@@ -45,6 +53,7 @@ void add_reconstruct(Program& program) {
                                            "its only one), of the recording's size");
   within(verb.add_option("--spp", options.spp, "instead: the first samples of each pixel (all)"),
          kSamples)
+      ->check(some_samples())
       ->excludes(selection);
   verb.add_option("--filter", options.filter, "see spool list filters")->required();
   add_method(verb, options.method);
@@ -79,7 +88,8 @@ void add_pixel(Program& program) {
   repeatable(
       verb.add_option("--at", options.places, "X,Y from the upper left corner; may be given again")
           ->required());
-  within(verb.add_option("--samples", options.samples, "the first so many (all)"), kSamples);
+  within(verb.add_option("--samples", options.samples, "the first so many (all)"), kSamples)
+      ->check(some_samples());
   CLI::Option* evaluation =
       verb.add_option("--evaluation-seed", options.evaluation_seed,
                       "the seed of an evaluation: the order in which its replicate 0 takes samples")
