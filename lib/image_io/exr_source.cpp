@@ -1,5 +1,6 @@
 #include "lib/image_io/exr_source.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include <exception>
@@ -119,6 +120,50 @@ struct ExrSource::State {
     return planes;
   }
 
+  // Of chunks without compression OpenEXR takes what its memory held for bytes that are not there;
+  // only of a file of one part, in lines, it looks at their sizes itself.
+  Result<void> check_plain_chunks(std::size_t p) {
+    const int number = static_cast<int>(p);
+    const Imf::Header& header = input.header(number);
+    std::int64_t pixel_bytes = 0;
+    bool subsampled = false;
+    for (const ExrChannel& channel : parts[p].channels) {
+      pixel_bytes += static_cast<std::int64_t>(bytes_per_value(channel.type));
+      subsampled = subsampled || channel.subsampled;
+    }
+    if (header.compression() != Imf::NO_COMPRESSION || subsampled) return {};
+    const char* values = nullptr;
+    int bytes = 0;
+    const auto check = [&](const ExrWindow& window) -> Result<void> {
+      const std::int64_t wanted = window.width * window.height * pixel_bytes;
+      if (bytes == wanted) return {};
+      return fail(ErrorCode::kDamage,
+                  "{}: the EXR is cut or damaged (the chunk at {},{} has {} bytes of {})", name,
+                  window.x0, window.y0, bytes, wanted);
+    };
+    const bool tiled = header.hasType() && header.type() == Imf::TILEDIMAGE;
+    if (!tiled && parts.size() == 1) return {};
+    Imf::InputPart part(input, number);
+    const Imath::Box2i& all = header.dataWindow();
+    const std::int64_t width = tiled ? header.tileDescription().xSize : parts[p].data.width;
+    const std::int64_t height = tiled ? header.tileDescription().ySize : 1;
+    int row = 0;
+    for (std::int64_t y = all.min.y; y <= all.max.y; ++row, y += height) {
+      int column = 0;
+      for (std::int64_t x = all.min.x; x <= all.max.x; ++column, x += width) {
+        int at_x = column, at_y = row, level_x = 0, level_y = 0;
+        if (tiled) {
+          part.rawTileData(at_x, at_y, level_x, level_y, values, bytes);
+        } else {
+          part.rawPixelData(static_cast<int>(y), values, bytes);
+        }
+        SPOOL_TRY(
+            check({x, y, std::min(width, all.max.x - x + 1), std::min(height, all.max.y - y + 1)}));
+      }
+    }
+    return {};
+  }
+
   void read_values(std::size_t p, std::vector<ExrPlane>& planes) {
     Imf::InputPart part(input, static_cast<int>(p));
     const Imath::Box2i& window = part.header().dataWindow();
@@ -167,6 +212,7 @@ Result<std::vector<ExrPlane>> ExrSource::read(std::size_t part,
                                               const std::vector<std::size_t>& channels) {
   SPOOL_ASSIGN(std::vector<ExrPlane> planes, state_->plan(part, channels));
   try {
+    SPOOL_TRY(state_->check_plain_chunks(part));
     state_->read_values(part, planes);
     return planes;
   } catch (const std::exception& error) {

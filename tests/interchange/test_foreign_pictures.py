@@ -1,4 +1,6 @@
 """Which picture of a foreign file is read, in which colours and where: one rule at every door, by hand-made bytes."""
+import struct
+
 import numpy as np
 import OpenImageIO as oiio
 import pytest
@@ -282,3 +284,32 @@ def test_a_file_of_another_kind_is_named_with_what_makes_it_right(tmp_path, star
     assert code == 1 and f"is {kind}, an OpenEXR image is needed" in message and of_picture in message, message
     code, message = run_jobs(("import npz", path, tmp_path / "a.spool", "layout=HWSC"))[0]
     assert code == 1 and f"is {kind}, a zip archive is needed" in message and of_arrays in message, message
+
+
+@pytest.mark.parametrize("tiled", [True, False])
+def test_bytes_that_a_chunk_without_compression_lacks_are_not_made_up(tmp_path, tiled):
+    path = tmp_path / "a.exr"
+    spec = oiio.ImageSpec(40, 32, 3, oiio.FLOAT)
+    spec.attribute("compression", "none")
+    pixels = RNG.random((32, 40, 3), np.float32)
+    if tiled:
+        spec.tile_width = spec.tile_height = 16
+    out = oiio.ImageOutput.create(str(path))
+    specs = [oiio.ImageSpec(spec) for _ in range(1 if tiled else 2)]
+    for one, name in zip(specs, ("rgba", "albedo")):
+        one.attribute("oiio:subimagename", name)
+    assert out.open(str(path), tuple(specs))
+    for i, one in enumerate(specs):
+        assert (i == 0 or out.open(str(path), one, "AppendSubimage")) and out.write_image(pixels)
+    out.close()
+    assert np.array_equal(picture(path)[1], pixels)
+    data = bytearray(path.read_bytes())
+    chunks = 3 * 2 if tiled else 2 * 32
+    table = next(i for i in range(8, len(data)) if struct.unpack_from("<Q", data, i)[0] == i + 8 * chunks)
+    (chunk,) = struct.unpack_from("<Q", data, table + 8)  # the second of the first part
+    place = chunk + (16 if tiled else 8)
+    assert struct.unpack_from("<i", data, place)[0] == 12 * (16 * 16 if tiled else 40)
+    struct.pack_into("<i", data, place, 1)
+    path.write_bytes(data)
+    code, _, message = picture(path)
+    assert code == 4 and "a.exr: the EXR is cut or damaged (the chunk at " in message and "has 1 bytes of" in message, message
