@@ -1,9 +1,11 @@
 #include "lib/core/available_memory.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -68,6 +70,18 @@ std::optional<std::uint64_t> left_of_limit(int resource, std::size_t field, std:
   return limit.rlim_cur - std::min<std::uint64_t>(limit.rlim_cur, used);
 }
 
+std::string_view asked_limit() {
+  const char* limit = std::getenv("SPOOL_MEMORY");
+  return limit == nullptr ? "" : limit;
+}
+
+std::optional<std::uint64_t> number_of_bytes(std::string_view text) {
+  std::uint64_t bytes = 0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, bytes);
+  return read.ec == std::errc() && read.ptr == end ? std::optional(bytes) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> memory_left_in_groups(const std::string& groups,
@@ -107,12 +121,18 @@ std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped) {
   const auto threads = static_cast<std::uint64_t>(allowed_threads() - 1);  // beside this one
   take_least(bytes, left_of_limit(RLIMIT_AS, 0, to_be_mapped + threads * kBytesPerThread));
   take_least(bytes, left_of_limit(RLIMIT_DATA, 5, threads * kBytesPerThread));
-  if (const char* limit = std::getenv("SPOOL_MEMORY")) {
-    char* end = nullptr;
-    const unsigned long long wanted = std::strtoull(limit, &end, 10);
-    if (end != limit && *end == '\0') take_least(bytes, wanted);
-  }
+  if (const auto wanted = number_of_bytes(asked_limit())) take_least(bytes, *wanted);
   return bytes;
+}
+
+Result<void> check_memory_limit() {
+  const std::string_view limit = asked_limit();
+  if (limit.empty() || number_of_bytes(limit)) return {};
+  return fail(
+      ErrorCode::kUsage,
+      "SPOOL_MEMORY: '{}' is no number of bytes, and would be no limit: write 4000000000, or "
+      "leave it out",
+      limit);
 }
 
 }  // namespace spool

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "lib/core/error.h"
+
 namespace spool {
 
 // Bytes that the system would give (free, or held by caches it can drop), at most what the control
@@ -14,6 +16,9 @@ namespace spool {
 // known. Files that are going to be mapped, of so many bytes together, count against ulimit -v
 // only.
 std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped = 0);
+
+// kUsage where SPOOL_MEMORY is no number of bytes: "4GB" would be no limit.
+Result<void> check_memory_limit();
 
 // What the control groups leave, from the text of /proc/self/cgroup and the folder where groups are
 // mounted: the least over the groups and their parents of limit - (usage - file cache).

@@ -76,6 +76,7 @@ Demand demand_of(const SpoolReader& file, const std::vector<LayerInfo>& layers,
 
 Result<Holding> choose_holding(const SpoolReader& file, const std::vector<LayerInfo>& layers,
                                const WorkingMemory& work) {
+  SPOOL_TRY(check_memory_limit());
   const Demand demand = demand_of(file, layers, work);
   const double in_place = demand.fixed + demand.decoded, reading = demand.fixed + demand.reading;
   const double free_of_maps = bytes_free(0), free_beside_map = bytes_free(file.file_bytes());

@@ -1,5 +1,6 @@
 #include "lib/core/available_memory.h"
 
+#include <cstdlib>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -55,6 +56,21 @@ TEST_F(MemoryLeftInGroups, IsUnknownWithoutALimit) {
   write("memory.current", "1500\n");
   EXPECT_FALSE(memory_left_in_groups("0::/\n", folder_).has_value());
   EXPECT_FALSE(memory_left_in_groups("", folder_).has_value());
+}
+
+TEST(MemoryLimit, IsANumberOfBytesOrRefused) {
+  for (const char* bytes : {"", "0", "4000000000", "18446744073709551615"}) {
+    ::setenv("SPOOL_MEMORY", bytes, 1);
+    EXPECT_TRUE(check_memory_limit().has_value()) << bytes;
+  }
+  for (const char* text : {"4GB", "1e9", "-1", " 5", "nan", "18446744073709551616"}) {
+    ::setenv("SPOOL_MEMORY", text, 1);
+    const Result<void> checked = check_memory_limit();
+    ASSERT_FALSE(checked.has_value()) << text;
+    EXPECT_EQ(checked.error().code, ErrorCode::kUsage);
+    EXPECT_NE(checked.error().message.find(text), std::string::npos);
+  }
+  ::unsetenv("SPOOL_MEMORY");
 }
 
 }  // namespace
