@@ -205,7 +205,8 @@ Result<std::array<float, 2>> read_exposure(const ZarrZip& zip, std::optional<uin
     return fail(ErrorCode::kData, "{}: exposure is not two floats: not a Noisebase sample set",
                 file);
   const std::array<float, 2> exposure = {list[0].get<float>(), list[1].get<float>()};
-  if (!std::isfinite(exposure[0]) || !std::isfinite(exposure[1]))
+  // Natural logarithms; what a float does not hold would become infinite.
+  if (!std::isfinite(exposure[0]) || !std::isfinite(std::exp(exposure[1])))
     return fail(ErrorCode::kDamage, "{}: exposure is {} to {}: the file is damaged", file,
                 exposure[0], exposure[1]);
   if (exposure[1] < exposure[0])

@@ -102,6 +102,7 @@ def test_stores_that_are_no_sample_set_are_refused(tmp_path):
     refused("expected |u1 with 4 components", 1, color=good["color"][:3])
     refused("exposure hi < lo", 1, exposure=np.array([2, 1], "f4"))
     refused("the file is damaged", 4, exposure=np.array([np.nan, 1], "f4"))
+    refused("exposure is 100 to 200", 4, exposure=np.array([100, 200], "f4"))
     refused("but color is 6x4", 1, normal=good["normal"][:, :, :5])
     refused("expected <f2", 1, normal=good["normal"].astype("f4"))
     refused("dtype", 1, normal=good["normal"].astype("f8"))
