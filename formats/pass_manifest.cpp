@@ -109,6 +109,13 @@ Result<void> read_recording(const fs::path& path, PassManifest& manifest) {
                 "first",
                 path.string());
   }
+  for (const PassChannel& channel : manifest.channels) {
+    if (channel.name.starts_with("reference.") || channel.name.starts_with("reference_variance."))
+      return fail(
+          ErrorCode::kData,
+          "{}: channel {} would be a reference for each sample: packing makes one of batches",
+          path.string(), channel.name);
+  }
   // Remarks about layers, to which packing adds one about film.
   const auto holds_remarks = [](const json& value) { return value.is_object() || value.is_null(); };
   const json layers = recording.value("layers", json());

@@ -528,6 +528,15 @@ TEST_F(PassFolderTest, BadKeysOfTheRecordingAreNamed) {
   }
 }
 
+TEST_F(PassFolderTest, AReferenceIsNoChannelOfAPass) {
+  const fs::path a = make_folder("a", 0, 1, 0);
+  json changed = recording("shift");
+  for (const char* name : {"reference.R", "reference.G", "reference.B"})
+    changed["channels"].push_back({{"name", name}, {"dtype", "f32"}});
+  write_manifest(a, changed);
+  expect_refusal({a}, ErrorCode::kData, "channel reference.R");
+}
+
 TEST_F(PassFolderTest, BadLinesAreNamedByNumber) {
   const std::vector<std::pair<std::string, json>> cases = {
       {"kind", "picture"},      {"index", -1},         {"file", "../secret.f32"}, {"file", ""},
