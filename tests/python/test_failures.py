@@ -261,6 +261,16 @@ def test_a_name_with_line_ends_that_only_text_has(path, tmp_path):
     assert [row["dump"] for row in rows] == [other.stem] * 2 and rows == spool.results(tmp_path / "results").rows
 
 
+def test_no_plan_is_replaced_by_its_own_results(path, tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text(f'# mine\nrecordings = ["{path}"]\nspp = [2]\nreplicates = 1\nsamplers = ["uniform"]\nfilters = ["box"]\npictures = false\n')
+    with pytest.raises(spool.SpoolError, match="plan.toml: output is the input"):
+        spool.evaluate(plan, output=tmp_path, force=True)
+    assert plan.read_text().startswith("# mine")
+    spool.evaluate(plan, output=tmp_path / "out")
+    assert spool.evaluate(tmp_path / "out" / "plan.toml", output=tmp_path / "out").rows
+
+
 def test_a_closed_recording(path):
     dump = spool.open(path)
     dump.close()

@@ -267,6 +267,15 @@ def test_images_of_two_methods_have_two_names(run, good, dump, tmp_path):
     good(*command, "--filters", "a_=box,a=gaussian", "--no-pictures")
 
 
+def test_no_plan_is_replaced_by_its_own_results(good, run, dump, tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text('# mine\nrecordings = ["scene.spool"]\nspp = [4]\nreplicates = 1\nsamplers = ["uniform"]\nfilters = ["box"]\n')
+    run("evaluate", plan, "-o", ".", "--no-pictures", "--force").failed_with(2, "plan.toml: output is the input")
+    assert plan.read_text().startswith("# mine") and not (tmp_path / "cells").exists()
+    good("evaluate", plan, "-o", "out", "--no-pictures")
+    good("evaluate", "out/plan.toml", "-o", "out", "--no-pictures", "--force")
+
+
 def test_force_begins_anew_whatever_was_kept(good, dump, tmp_path):
     command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "-o", "out")
     good(*command)

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "formats/target_watch.h"
 #include "lib/experiment/loop_filter.h"
 #include "lib/experiment/plan_cells.h"
 #include "lib/experiment/plan_reader.h"
+#include "tools/batch/cell_store.h"
 #include "tools/batch/dry_run.h"
 #include "tools/batch/dump_meta.h"
 #include "tools/batch/evaluation_run.h"
@@ -213,6 +215,9 @@ Result<void> run_evaluate(const EvaluateOptions& options, const CommonOptions& c
     return fail(ErrorCode::kUsage, "--executor does the whole plan: leave --shard and --merge out");
   }
   if (options.output.empty()) return fail(ErrorCode::kUsage, "-o: give the folder for the results");
+  // Beside cells it is one that an evaluation kept, else the user's own.
+  if (has_plan && !CellStore::is_in(options.output))
+    SPOOL_TRY(format::refuse_own_input(options.output / "plan.toml", options.files.front()));
   if (options.merge && request.shard) {
     return fail(ErrorCode::kUsage, "--merge is of all shards: leave --shard out");
   }

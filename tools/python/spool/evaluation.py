@@ -44,6 +44,10 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
     kept = None if output is None else os.path.abspath(text("output", path("output", output)))
     own = () if executor is None else _own_methods(executor, plan)
     switches = flag("force", force), flag("exact_timing", exact_timing)
+    if kept and isinstance(plan, (str, os.PathLike)) and not os.path.isdir(os.path.join(kept, "cells")):
+        own_plan = os.path.join(kept, "plan.toml")  # beside cells it is one that an evaluation kept
+        if os.path.exists(own_plan) and os.path.exists(plan) and os.path.samefile(own_plan, plan):
+            raise SpoolError("usage", f"{own_plan}: output is the input: choose another folder")
     with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
         folder = None if kept else tempfile.TemporaryDirectory(prefix="spool-")
         place = kept or os.path.join(folder.name, "results")
