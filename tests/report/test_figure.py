@@ -18,11 +18,13 @@ from made_results import make_rows, write_images, write_results
 
 pytest.importorskip("matplotlib", reason="SKIPPED: no matplotlib in this Python")
 
+from matplotlib import pyplot
+
 from tools.report import figure
 from tools.report.figure import main
 from tools.report.figure_tables import markdown
 from tools.report.figure_text import latex, literal, significant
-from tools.report.draw_curves import read
+from tools.report.draw_curves import panel, read
 from tools.report.file_names import dump_names, file_name_of
 
 PICTURES = ("curves", "curves_time", "comparison", "comparison_chess", "comparison_kitchen")
@@ -149,6 +151,16 @@ def test_what_cannot_be_drawn_is_told_and_an_interval_beside_its_mean_is_drawn(s
     assert ", curves, captions" in said and captions.count(" Not drawn: 1 mean not above zero.") == 2
     said, captions = told([0, 0, 0], [-1e-9, -2e-9, 1e-9])
     assert "; no mean above zero, so no curves" in said and "curves" not in captions and ", curves" not in said
+
+
+def test_an_interval_that_reaches_zero_leaves_the_panel_and_does_not_stretch_it():
+    axes = pyplot.figure().add_subplot()
+    panel(axes, {"a": [(4.0, 0.02, 0.01, 0.04, 1.0)], "b": [(4.0, 0.01, 0.0, 0.03, 1.0)]}, {"a": 0, "b": 1}, 3.0, False)
+    low, high = axes.get_ylim()
+    least = [line.vertices[0, 1] for bars in axes.containers for line in bars.lines[2][0].get_paths()]
+    pyplot.close(axes.figure)
+    assert 0.009 < low < 0.01 and 0.04 < high < 0.05
+    assert least[0] == pytest.approx(0.01) and least[1] == 0.0
 
 
 def test_a_folder_without_a_finished_result_is_named(tmp_path, capsys):

@@ -78,9 +78,10 @@ def panel(axes, methods, colour_of, width, over_time):
         points = sorted(points)
         xs = [point[4] if over_time else point[0] * aside for point in points]
         means = [point[1] for point in points]
-        bars = [[m - max(p[2], m * 1e-6) for m, p in zip(means, points)], [p[3] - m for m, p in zip(means, points)]]
+        # One that reaches zero has no end on a logarithmic axis: it leaves the panel, and does not stretch it.
+        bars = [[m - max(p[2], 0.0) for m, p in zip(means, points)], [p[3] - m for m, p in zip(means, points)]]
         places += xs
-        lows += [m - bar if bar == bar else m for m, bar in zip(means, bars[0])]
+        lows += [p[2] if p[2] > 0 else m for m, p in zip(means, points)]
         highs += [m + bar if bar == bar else m for m, bar in zip(means, bars[1])]
         turn, i = divmod(colour_of[method], len(COLOURS))  # the ninth has the colour of the first with another marker
         axes.errorbar(xs, means, yerr=bars if any(bar == bar for bar in bars[0]) else None, color=COLOURS[i], marker=MARKERS[(i + turn) % 8],
