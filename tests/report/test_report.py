@@ -77,6 +77,28 @@ def test_one_result_is_no_plural(tmp_path, assets_cache, capsys):
     assert ", 1 result, 0 images (" in capsys.readouterr().out
 
 
+def test_claims_name_a_group_as_every_other_part_of_the_page_does(tmp_path, assets_cache):
+    write_results(tmp_path / "r", make_rows(dumps=("day1.spool",), budgets=(8,)))
+    data = json.loads((tmp_path / "r" / "statistics.json").read_text())
+    data["scenes"][0]["group"] = "my group"
+    data["claims"] = [{"text": "less", "better": "a", "than": "b", "metric": "relmse", "samples": "own", "below": 1, "verdict": "holds",
+                       "counts": {"holds": 1}, "places": [{"dump": "day1.spool", "spp": 8, "verdict": "holds", "ratio": [0.5]}]}]
+    (tmp_path / "r" / "statistics.json").write_text(json.dumps(data))
+    assert main([str(tmp_path / "r"), "-o", str(tmp_path / "out.html")]) == 0
+    claim = (tmp_path / "out.html").read_text().split('<details class="claim')[1].split("</details>")[0]
+    assert '<th scope="row">my group</th>' in claim and "day1" not in claim
+
+
+def test_where_every_result_failed_the_page_says_that_and_nothing_else(tmp_path, assets_cache):
+    rows = make_rows(dumps=("a.spool",), samplers=("uniform",), filters=("box",), budgets=(8,), replicates=2)
+    for row in rows:
+        row.update({name: "" for name in list(row)[6:]}, error="not enough samples")
+    write_results(tmp_path / "r", rows)
+    assert main([str(tmp_path / "r"), "-o", str(tmp_path / "out.html")]) == 0
+    text = (tmp_path / "out.html").read_text()
+    assert "2 results failed" in text and "not ranked by" not in text and "or results that failed" in text
+
+
 def test_a_page_says_what_it_lacks_without_scripts(assets_cache):
     report, shown = (build_page("t", [("a", heading, "")], {}, []) for heading in ("A", ""))
     assert "Charts, table and images need JavaScript; the summary" in report

@@ -177,7 +177,8 @@ def test_lost_energy_saturation_and_biased_references_are_said(tmp_path):
 def test_few_pixels_are_counted(tmp_path, half, said):
     def change(data):
         data["results"][0]["quantities"].update(relmse_half_pixels=[half], relmse_worst_share=[0.9])
-    assert said in sentences_of(tmp_path, one_scene(), change)
+    text = sentences_of(tmp_path, one_scene(), change)
+    assert said in text and "1 result stands on few pixels" in text
 
 
 def test_failed_results_are_counted_and_left_out(tmp_path):

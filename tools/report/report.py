@@ -100,7 +100,7 @@ LIVE = '<p><a href="live">Other budgets and methods</a></p>'
 
 def images_html(images, written):
     if not images.sets:
-        return "<p>No images were written by the evaluation (--no-pictures).</p>"
+        return "<p>No images were written by the evaluation (--no-pictures, or results that failed).</p>"
     notes = []
     if written > len(images.sets):
         notes.append(f"The baseline and the first methods of each recording and budget, {len(images.sets)} of {written} results; "

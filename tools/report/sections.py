@@ -3,7 +3,6 @@
 import math
 from collections import Counter, defaultdict
 from html import escape
-from pathlib import PurePath
 
 from tools.report.metric_names import metric_name
 from tools.report.number_text import count_text, interval_text, known_text, number_text
@@ -18,24 +17,24 @@ def summary_html(sentences, statistics, metric, budget):
     """Claims, then table, chart and crops drawn by headline.js, then at most five sentences; the rest can be opened."""
     first = leading(sentences, statistics, metric, budget)
     scopes = "".join(f'<p class="note">{escape(s.text)}</p>' for s in sentences if s.kind == "scope")
-    unranked = ("" if metric in statistics.metrics() else
+    unranked = ("" if metric in statistics.metrics() or not statistics.metrics() else
                 f"<p>Methods are not ranked by {escape(metric_name(metric))}, but by {escape(', '.join(map(metric_name, statistics.metrics())))}.</p>")
     shown = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in first)
     rest = [s for s in sentences if s.kind != "scope" and s not in first]
     more = "".join(f'<li class="{s.kind}">{escape(s.text)}</li>' for s in rest)
     table = _verdict_table(statistics, metric)
-    return (f'{"".join(map(_claim, statistics.claims))}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
+    return (f'{"".join(_claim(claim, statistics.labels()) for claim in statistics.claims)}{unranked}<div id="headline-area"></div><ul class="leading">{shown}</ul>{scopes}'
             f"<details><summary>Every verdict in words, and {escape(metric_name(metric))} at every budget</summary>"
             f"<ul>{more}</ul>{table}</details>{HOW_TO_READ}")
 
 
-def _claim(claim):
+def _claim(claim, labels):
     """A question of the plan with the verdict that statistics.json has; opens on the places it was asked at."""
     limit = "" if claim["below"] == 1 else f" {number_text(claim['below'])} times"
     asked = (f"{claim['metric']} of {claim['better']} below{limit} that of {claim['than']}, {claim['samples']} samples"
              + (f"; {count_text(claim['threads'][0], 'thread')} against {claim['threads'][1]}" if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
     counts = ", ".join(f"{count} {verdict}" for verdict, count in claim["counts"].items())
-    rows = (f'<tr><th scope="row">{escape(PurePath(place["dump"]).stem + threads_text(claim, place))}</th>'
+    rows = (f'<tr><th scope="row">{escape(labels.get(place["dump"], place["dump"]) + threads_text(claim, place))}</th>'
             f'<td class="number">{place["spp"]:g}</td><td class="number">{known_text(interval_of(place.get("ratio")))}</td>'
             f'<td>{escape(verdict_text(place))}</td></tr>'
             for place in claim["places"])

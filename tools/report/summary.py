@@ -198,7 +198,7 @@ def support(statistics, metric, labels):
         half, share, worst = min(few, key=lambda entry: entry[0])
         pixels = round(max(1.0, half))
         yield Sentence(
-            f"{count_text(len(few), 'result')} stand on few pixels: of {name_of(worst)} on {labels[worst['dump']]} at "
+            f"{count_text(len(few), 'result')} stand{'s' if len(few) == 1 else ''} on few pixels: of {name_of(worst)} on {labels[worst['dump']]} at "
             f"{worst['spp']:g} spp, {count_text(pixels, 'pixel')} bear{'s' if pixels == 1 else ''} half of the {metric_name(metric)}, the worst 0.1 % {100 * share:.0f} %.", "warning")
     reasons = Counter(e["withheld"] for c in statistics.of_metric(metric) for e in c["ranking"] if "withheld" in e)
     for reason, count in reasons.items():
@@ -225,7 +225,7 @@ def cautions(combinations, metric, labels):
     unresolved = [c for c in combinations if c.quantity(metric).low <= 0.0]
     if unresolved:
         yield Sentence(
-            f"{count_text(len(unresolved), 'combination')} have a {metric_name(metric)} whose interval reaches "
+            f"{count_text(len(unresolved), 'combination')} ha{'s' if len(unresolved) == 1 else 've'} a {metric_name(metric)} whose interval reaches "
             "zero: the error is not resolved.", "warning")
     alike = sum(c.one_image and c.replicates > 1 for c in combinations)
     if alike:
