@@ -1,6 +1,7 @@
 #include "lib/experiment/plan_claims.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/ranges.h>
 
@@ -31,6 +32,8 @@ Result<void> set_claim(const TomlReader& toml, Claim& claim, std::string_view ke
       if (std::ranges::find(plan.spp, spp) == plan.spp.end()) {
         return toml.refuse(*budget, "spp {} is no budget of the plan", text);
       }
+      if (std::ranges::find(claim.spp, spp) != claim.spp.end())
+        return toml.refuse(*budget, "spp {} is there twice", text);
       claim.spp.push_back(spp);
     }
     return {};
@@ -65,6 +68,17 @@ Result<void> set_claim(const TomlReader& toml, Claim& claim, std::string_view ke
   return {};
 }
 
+// Whether both ask one question of one budget, whatever their words: their family would be charged
+// for it twice.
+bool is_asked_again(const Claim& claim, const Claim& other, const std::vector<double>& budgets) {
+  const auto question = [](const Claim& of) {
+    return std::tie(of.better, of.than, of.metric, of.fresh, of.below, of.threads, of.than_threads);
+  };
+  return question(claim) == question(other) && std::ranges::any_of(budgets, [&](double spp) {
+           return claim.asks(spp, claim.threads) && other.asks(spp, other.threads);
+         });
+}
+
 std::string text_of(const Claim& claim) {
   if (claim.below == 1.0) return claim.better + " has less error than " + claim.than;
   return fmt::format("{} has less than {:g} times the error of {}", claim.better, claim.below,
@@ -93,6 +107,11 @@ Result<void> read_claims(const TomlReader& toml, const toml::table& root, Plan& 
     }
     if (claim.fresh && !has_fresh(claim.metric)) {
       return toml.refuse(*table, "samples = \"fresh\": only of relmse, mse and energy_ratio");
+    }
+    if (std::ranges::any_of(plan.claims, [&](const Claim& other) {
+          return is_asked_again(claim, other, plan.spp);
+        })) {
+      return toml.refuse(*table, "this claim is there twice: ask it once");
     }
     if (claim.text.empty()) claim.text = text_of(claim);
     plan.experiment.fresh = plan.experiment.fresh || claim.fresh;

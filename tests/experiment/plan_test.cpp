@@ -227,10 +227,17 @@ spp = 8
 samples = "fresh"
 below = 1.1
 source = "LiuZheng, Figure 12"
+[[claim]]
+better = "multiscale + box"
+than = "uniform + box"
+metric = "mse"
+spp = 4
+samples = "fresh"
+below = 1.1
 )";
   const auto plan = parse(text);
   ASSERT_TRUE(plan.has_value()) << plan.error().message;
-  ASSERT_EQ(plan->claims.size(), 3u);
+  ASSERT_EQ(plan->claims.size(), 4u);
   EXPECT_EQ(plan->claims[0].metric, "relmse");
   EXPECT_TRUE(plan->claims[0].asks(4, 1) && plan->claims[0].asks(8, 2));
   EXPECT_FALSE(plan->claims[1].asks(4, 1));
@@ -264,6 +271,12 @@ TEST(Plan, MistakesAreNamedWithTheirLine) {
        "= "
        "'uniform + box'",
        "plan.toml:6: a claim needs two methods"},
+      {"[[sampler]]\nname = 'multiscale'\n[[claim]]\nbetter = 'uniform + box'\nthan = 'multiscale "
+       "+ "
+       "box'\nspp = 4\n[[claim]]\ntext = 'x'\nbetter = 'uniform + box'\nthan = 'multiscale + "
+       "box'",
+       "plan.toml:11: this claim is there twice: ask it once"},
+      {"[[claim]]\nspp = [4, 4]", "plan.toml:6: spp 4 is there twice"},
       {"[[claim]]\nmetrik = 'mse'", "plan.toml:6: unknown key of a claim 'metrik'"},
       {"[[claim]]\nmetric = 'mes'",
        "plan.toml:6: unknown metric of a claim 'mes', did you mean 'mse'?"},
