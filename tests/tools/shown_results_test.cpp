@@ -5,13 +5,17 @@
 namespace spool::tools {
 namespace {
 
+Interval interval(double mean, double low, double high) {
+  Interval found;
+  found.n = 4;
+  found.mean = mean;
+  found.low = low;
+  found.high = high;
+  return found;
+}
+
 std::string shown(double low, double high) {
-  Interval ratio;
-  ratio.n = 4;
-  ratio.mean = 1.05;
-  ratio.low = low;
-  ratio.high = high;
-  return ratio_text(ratio);
+  return ratio_text(interval(1.05, low, high));
 }
 
 TEST(ShownResults, AnEndOfARatioReadsOneOnlyWhereItIsOne) {
@@ -20,6 +24,16 @@ TEST(ShownResults, AnEndOfARatioReadsOneOnlyWhereItIsOne) {
   EXPECT_EQ(shown(0.5, 0.9997), "1.05 [0.5, 0.9997]");
   EXPECT_EQ(shown(1.02, 1.2), "1.05 [1.02, 1.2]");
   EXPECT_EQ(shown(0.5, 1.0), "1.05 [0.5, 1]");
+}
+
+TEST(ShownResults, APrintedMeanLiesWithinItsPrintedEnds) {
+  EXPECT_EQ(ratio_text(interval(1.09, 1.074, 1.11)), "1.09 [1.07, 1.1]");
+  EXPECT_EQ(ratio_text(interval(1.16, 1.02, 1.161)), "1.16 [1.02, 1.2]");
+  EXPECT_EQ(ratio_text(interval(0.123456, 0.123456, 0.123456)), "0.123 [0.12, 0.123]");
+  EXPECT_EQ(value_text(interval(0.12345, 0.123449, 0.123451), "{:.4g}"), "0.1235 [0.123, 0.1235]");
+  EXPECT_EQ(value_text(interval(-0.12345, -0.123451, -0.123449), "{:.4g}"),
+            "-0.1235 [-0.1235, -0.123]");
+  EXPECT_EQ(value_text(interval(0.0023, 0.0011, 0.0047), "{:.3g}"), "0.0023 [0.0011, 0.0047]");
 }
 
 TEST(ShownResults, ACountIsAWholeNumber) {

@@ -1,6 +1,7 @@
 #include "tools/batch/shown_results.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -47,30 +48,37 @@ double mean_or(const Interval& interval, double other) {
   return std::isfinite(interval.mean) ? interval.mean : other;
 }
 
-std::string value_text(const Interval& interval, const char* format) {
-  if (!std::isfinite(interval.mean)) return "n/a";
-  std::string text = fmt::format(fmt::runtime(format), interval.mean);
-  if (!has_ends(interval)) return text;
-  return text + fmt::format(" [{:.3g}, {:.3g}]", interval.low, interval.high);
-}
-
 namespace {
 
-// An end that is not 1 does not read 1: it would not agree with the verdict beside it.
-std::string ratio_end(double end) {
-  std::string text;
-  for (int digits = 2; digits <= 6 && (text.empty() || (text == "1" && end != 1.0)); ++digits)
-    text = fmt::format("{:.{}g}", end, digits);
-  return text;
+// " [LOW, HIGH]" in so many digits, in more where the printed mean would lie outside, or where an
+// end of a ratio would read 1 that is not 1: it would not agree with the verdict beside it.
+std::string ends_text(const Interval& interval, const std::string& mean, int digits,
+                      bool is_ratio = false) {
+  const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+  const double shown = number(mean);
+  const auto end = [&](double value, bool is_low) {
+    for (int more = digits;; ++more) {
+      const std::string text = fmt::format("{:.{}g}", value, more);
+      const bool outside = is_low ? number(text) > shown : number(text) < shown;
+      const bool reads_one = is_ratio && text == "1" && value != 1.0;
+      if (more == 6 || !(outside || reads_one)) return text;
+    }
+  };
+  return fmt::format(" [{}, {}]", end(interval.low, true), end(interval.high, false));
 }
 
 }  // namespace
 
+std::string value_text(const Interval& interval, const char* format) {
+  if (!std::isfinite(interval.mean)) return "n/a";
+  const std::string text = fmt::format(fmt::runtime(format), interval.mean);
+  return has_ends(interval) ? text + ends_text(interval, text, 3) : text;
+}
+
 std::string ratio_text(const Interval& ratio) {
   if (!std::isfinite(ratio.mean)) return "-";
   const std::string mean = fmt::format("{:.3g}", ratio.mean);
-  if (!has_ends(ratio)) return mean;
-  return mean + fmt::format(" [{}, {}]", ratio_end(ratio.low), ratio_end(ratio.high));
+  return has_ends(ratio) ? mean + ends_text(ratio, mean, 2, true) : mean;
 }
 
 std::string count_text(double count) {
