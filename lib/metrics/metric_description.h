@@ -19,6 +19,8 @@ struct MetricDescription {
 const std::vector<MetricDescription>& metrics();
 // Index into metrics(), or -1.
 int metric_index(std::string_view name);
+std::string_view better_name(Better better);  // lower, higher, near 1
+
 // What is better of a metric; of any other quantity, a time or a count, less.
 Better better_of(std::string_view quantity);
 

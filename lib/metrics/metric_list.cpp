@@ -111,6 +111,10 @@ int metric_index(std::string_view name) {
   return -1;
 }
 
+std::string_view better_name(Better better) {
+  return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "near 1");
+}
+
 Better better_of(std::string_view quantity) {
   const int metric = metric_index(quantity);
   return metric < 0 ? Better::kLower : metrics()[static_cast<std::size_t>(metric)].better;

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 from collections import defaultdict
 
 import pytest
@@ -115,6 +116,25 @@ def test_charts_have_points_and_asymmetric_error_bars_where_the_data_say(opened,
     assert seen == 27
     axes = page.evaluate("[...'xy'].map(a => document.getElementById('pareto-chart')._fullLayout[a + 'axis'].type)")
     assert axes == ["log", "log"]
+
+
+@pytest.mark.parametrize("metric, cost", [("relmse", lambda v: v), ("psnr_tm", lambda v: -v), ("energy_ratio", lambda v: abs(math.log(v)))])
+def test_the_front_is_of_what_is_better_in_the_metric(browser, tmp_path, metric, cost):
+    rows = make_rows(dumps=("a.spool",), budgets=(4, 8))
+    places = list(dict.fromkeys((row["sampler"], row["filter"], row["spp"]) for row in rows))
+    for row in rows:
+        i = places.index((row["sampler"], row["filter"], row["spp"]))
+        row.update(seconds_total=repr(0.1 + 0.01 * i), psnr_tm=repr(20.0 + 5 * i % 7), energy_ratio=repr(0.7 + 0.03 * i))
+    write_results(tmp_path, rows)
+    better = [{"name": "psnr_tm", "better": "higher"}, {"name": "energy_ratio", "better": "near 1"}]
+    (tmp_path / "words.json").write_text(json.dumps({"metrics": better}))
+    assert main([str(tmp_path), "-o", str(tmp_path / "report.html"), "--metric", metric, "--vocabulary", str(tmp_path / "words.json")]) == 0
+    opened = Opened(browser, tmp_path / "report.html")
+    opened.open_charts()
+    front, *lines = opened.page.evaluate("document.getElementById('pareto-chart').data.map(t => t.x.map((x, i) => [x, t.y[i]]))")
+    points = sorted(((x, cost(y)) for line in lines for x, y in line))
+    wanted = [p for i, p in enumerate(points) if all(p[1] < q[1] for q in points[:i])]
+    assert len(wanted) > 1 and [(x, cost(y)) for x, y in front] == wanted
 
 
 def test_bars_at_one_budget_stand_beside_each_other_and_times_have_their_unit(opened):

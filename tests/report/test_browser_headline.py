@@ -6,9 +6,10 @@ import json
 import math
 
 import pytest
-from made_results import make_rows, write_results
+from made_results import make_rows, write_images, write_results
 from opened_page import Opened, browser, opened, report  # noqa: F401
 
+from tools.report.file_names import dump_names, file_name_of
 from tools.report.report import main
 
 
@@ -83,6 +84,31 @@ def test_without_a_baseline_ratios_are_to_the_first_method(browser, tmp_path):
     found = cells(page)
     assert [row[0][2] for row in found.values()].count("baseline") == 1 and float(found["mitchell + box"][0][1]) > 2
     assert "uniform" not in page.locator("#summary").text_content().split("How to read")[0]
+
+
+def test_what_is_nearest_to_one_comes_first_where_that_is_best(browser, tmp_path):
+    energies = {"mitchell": 1.05, "multiscale": 0.8, "uniform": 0.97}
+    rows = make_rows(filters=("box",), budgets=(8,))
+    for row in rows:
+        row["energy_ratio"] = repr(energies[row["sampler"]])
+    write_results(tmp_path, rows)
+    (tmp_path / "words.json").write_text(json.dumps({"metrics": [{"name": "energy_ratio", "better": "near 1"}]}))
+    assert main([str(tmp_path), "-o", str(tmp_path / "report.html"), "--metric=energy_ratio", "--vocabulary", str(tmp_path / "words.json")]) == 0
+    page = Opened(browser, tmp_path / "report.html").page
+    assert list(cells(page)) == ["uniform + box", "mitchell + box", "multiscale + box"]
+    assert "below 1 is better" not in page.locator("#headline-area").text_content()
+
+
+def test_crops_show_one_method_once(browser, tmp_path):
+    rows = make_rows(dumps=("a.spool",), samplers=("uniform",), filters=("box",), budgets=(8,))
+    write_results(tmp_path, rows)
+    write_images(tmp_path, rows, dump_names(["a.spool"]), file_name_of)
+    assert main([str(tmp_path), "-o", str(tmp_path / "report.html")]) == 0
+    page = Opened(browser, tmp_path / "report.html").page
+    page.wait_for_selector(".crop canvas")
+    page.wait_for_timeout(500)
+    names = page.locator(".crop small").all_text_contents()
+    assert names == ["a", *["uniform + box", "reference"] * ((len(names) - 1) // 2)]
 
 
 def test_another_baseline_takes_the_pairs_of_the_file(opened, statistics):

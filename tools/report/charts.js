@@ -99,12 +99,18 @@ function traces(combinations, {x, dodge, metric}) {
   });
 }
 
+// Less is better of it.
+function costOf(metric, value) {
+  const better = report.better[metric];
+  return better === 'higher' ? -value : better === 'near 1' ? Math.abs(Math.log(value)) : value;
+}
+
 function frontTrace(combinations, {x, metric}) {
   const points = combinations.map((c) => [x(c).mean, interval(c, metric).mean])
-    .sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    .sort((a, b) => a[0] - b[0] || costOf(metric, a[1]) - costOf(metric, b[1]));
   const front = [];
   for (const point of points) {
-    if (front.length === 0 || point[1] < front[front.length - 1][1]) front.push(point);
+    if (front.length === 0 || costOf(metric, point[1]) < costOf(metric, front[front.length - 1][1])) front.push(point);
   }
   return {
     type: 'scatter', mode: 'lines', name: 'Pareto front of the means', hoverinfo: 'skip',

@@ -21,8 +21,8 @@ async function drawStrip(strip, scene) {
   const first = ranked.length > 0 ? of(ranked[0]) : input;
   if (!input) return;
   const reference = await loadPicture(input.images.reference !== undefined ? input : first, 'reference');
-  const shown = [[methodText(input), await loadPicture(input, 'estimate')], [methodText(first), await loadPicture(first, 'estimate')],
-    ['reference', reference]].filter(([, picture]) => picture);
+  const estimates = await Promise.all([...new Set([input, first])].map(async (set) => [methodText(set), await loadPicture(set, 'estimate')]));
+  const shown = [...estimates, ['reference', reference]].filter(([, picture]) => picture);
   const windows = scene.windows.slice(0, report.pictures.scenes.length > 1 ? 1 : 2), whole = reference ?? shown[0][1];
   const nodes = [tile(whole, scene, {x: 0, y: 0, width: whole.width, height: whole.height}, 'white', report.dumps[scene.dump], windows),
     ...windows.flatMap((window_, i) => shown.map(([name, picture]) => tile(picture, scene, window_, insetColour(i), name)))];

@@ -59,7 +59,8 @@ function startHeadline(area) {
     element('div', {class: 'hero'}, element('div', {}, holder, told, note), element('figure', {}, title, chart)), strip);
   function draw() {
     holder.replaceChildren(headlineTable(draw));
-    note.textContent = `${metricText(report.metric)} at ${hero.spp} spp ${hero.baseline ? `relative to ${hero.baseline}: below 1 is better. Bold: separated from it.` :
+    const beside = report.better[report.metric] === 'lower' ? `relative to ${hero.baseline}: below 1 is better` : `beside ${hero.baseline}, without ratios`;
+    note.textContent = `${metricText(report.metric)} at ${hero.spp} spp ${hero.baseline ? `${beside}. Bold: separated from it.` :
       'has no baseline: no ratios.'} Methods that ` +
       `share a letter are not separated. ${report.lettersNote} ‡: no verdict. ▼: loses energy.${report.pictures.sets.length > 0 ? ' A click shows the pictures.' : ''}`;
     title.textContent = `${report.dumps[hero.dump]}: ${metricText(report.metric)} against samples per pixel`;
@@ -77,7 +78,7 @@ function headlineMethods() {
   const conditions = report.conditions.filter((c) => c.spp === hero.spp);
   const names = [...new Set(conditions.flatMap((c) => c.field.map((i) => methodOf(report.combinations[i]))))];
   if (overall.length === 0) return ownFirst(names);
-  const means = new Map(overall.map((c) => [methodOf(c), interval(c, report.metric).mean]));
+  const means = new Map(overall.map((c) => [methodOf(c), costOf(report.metric, interval(c, report.metric).mean)]));
   const value = (name) => means.get(name) ?? Infinity;
   return ownFirst(names.sort((a, b) => (value(a) > value(b)) - (value(a) < value(b))));
 }

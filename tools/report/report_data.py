@@ -43,6 +43,7 @@ def report_data(combinations, statistics, metrics, metric, labels, vocabulary, i
         "filters": filters,
         "metric": metric,
         "names": {name: statistics.metric_text(name) for name in metrics},
+        "better": {name: vocabulary.better(name) for name in metrics},
         "baseline": statistics.baseline,
         "lettersNote": statistics.letters_note(metric),
         "metrics": [name for name in names if name in metrics],

@@ -24,6 +24,10 @@ class Vocabulary:
         entry = self._metrics.get(column) or self._columns.get(column) or {}
         return str(entry.get("meaning", ""))
 
+    def better(self, metric):
+        """lower, higher or near 1."""
+        return str(self._metrics.get(metric, {}).get("better", "lower"))
+
     def guard_meaning(self, guard):
         return str(self._guards.get(guard, {}).get("protects", ""))
 

@@ -88,10 +88,6 @@ void add_presets(std::vector<ListedPreset>& presets, const Methods& methods,
   }
 }
 
-const char* better_name(Better better) {
-  return better == Better::kLower ? "lower" : (better == Better::kHigher ? "higher" : "near 1");
-}
-
 std::vector<std::string> named_in(const ListedTable& table) {
   const auto at = std::ranges::find(table.columns, "name") - table.columns.begin();
   std::vector<std::string> names;
@@ -150,7 +146,7 @@ std::vector<ListedPreset> listed_presets() {
 ListedTable listed_metrics() {
   ListedTable table{{"name", "better", "meaning"}, {}};
   for (const MetricDescription& metric : metrics())
-    table.rows.push_back({metric.name, better_name(metric.better), metric.meaning});
+    table.rows.push_back({metric.name, std::string(better_name(metric.better)), metric.meaning});
   return table;
 }
 

@@ -27,7 +27,9 @@ namespace fs = std::filesystem;
 std::string vocabulary_json() {
   nlohmann::ordered_json words = {{"version", SPOOL_VERSION}};
   for (const MetricDescription& metric : metrics()) {
-    words["metrics"].push_back({{"name", metric.name}, {"meaning", metric.meaning}});
+    words["metrics"].push_back({{"name", metric.name},
+                                {"better", better_name(metric.better)},
+                                {"meaning", metric.meaning}});
   }
   for (const ResultColumn& column : result_columns()) {
     words["columns"].push_back({{"name", column.name}, {"meaning", column.meaning}});
