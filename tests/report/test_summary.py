@@ -158,6 +158,15 @@ def test_a_repeated_combination_is_not_compared_even_beside_others(tmp_path):
     assert "uniform + box comes first" in text and "not compared with multiscale + box" in text and "are one image" in text
 
 
+def test_what_one_replicate_finished_is_no_repetition_of_one_image(tmp_path):
+    rows = one_scene(filters=("box", "gaussian"))
+    for row in rows:
+        if row["filter"] == "gaussian" and row["replicate"] != "0":
+            row.update({name: "" for name in list(row)[6:]}, error="out of luck")
+    text = sentences_of(tmp_path, rows)
+    assert "12 results failed" in text and "are one image" not in text
+
+
 def test_lost_energy_saturation_and_biased_references_are_said(tmp_path):
     rows = one_scene(noise=0.01)
     for row in rows:

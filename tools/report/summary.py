@@ -227,7 +227,7 @@ def cautions(combinations, metric, labels):
         yield Sentence(
             f"{count_text(len(unresolved), 'combination')} ha{'s' if len(unresolved) == 1 else 've'} a {metric_name(metric)} whose interval reaches "
             "zero: the error is not resolved.", "warning")
-    alike = sum(c.one_image and c.replicates > 1 for c in combinations)
+    alike = sum(c.one_image and c.replicates - len(c.failures) > 1 for c in combinations)
     if alike:
         yield Sentence(
             f"The replicates of {count_text(alike, 'combination')} are one image: "
