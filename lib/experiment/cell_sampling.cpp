@@ -129,8 +129,10 @@ Result<SamplingRun> sample_cell(const CellWork& work, const Cell& cell,
                 "order=recorded gives every replicate the same samples: use disjoint, or one "
                 "replicate");
   }
-  const ReferenceKind kind = options.reference.value_or(default_reference_kind(*recording));
-  const int holdout = withheld_samples(kind, *recording, options.holdout, options.pieces_per_side);
+  const ReferenceKind kind = options.reference.value_or(
+      default_reference_kind(recording->spp(), recording->reference().has_value()));
+  const int holdout =
+      withheld_samples(kind, recording->spp(), options.holdout, options.pieces_per_side);
   SPOOL_ASSIGN(SamplePool pool,
                SamplePool::create(recording, pool_options(options, cell.replicate, holdout)));
   SPOOL_ASSIGN(ReadySampler sampler, ready);

@@ -163,23 +163,26 @@ Result<ReferenceKind> parse_reference_kind(std::string_view name) {
               unknown_name("reference", name, names_of(reference_kinds())));
 }
 
-int default_holdout(const RecordedSamples& recording) {
-  return recording.spp() < 32 ? 0 : std::max(16, recording.spp() / 4);
+int default_holdout(int spp) {
+  return spp < 32 ? 0 : std::max(16, spp / 4);
 }
 
-int withheld_samples(ReferenceKind kind, const RecordedSamples& recording,
-                     std::optional<int> chosen, int pieces_per_side) {
+int withheld_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int pieces_per_side) {
   const bool holds_out = kind == ReferenceKind::kHoldout || kind == ReferenceKind::kHoldoutPair;
-  const int asked = chosen.value_or(holds_out ? default_holdout(recording) : 0);
+  const int asked = chosen.value_or(holds_out ? default_holdout(spp) : 0);
   if (kind != ReferenceKind::kLeaveSelectedOut) return asked;
   const int pieces = pieces_per_side * pieces_per_side;
-  return std::max(asked, std::min(kLeastWithheld * pieces, recording.spp() - pieces));
+  return std::max(asked, std::min(kLeastWithheld * pieces, spp - pieces));
 }
 
-ReferenceKind default_reference_kind(const RecordedSamples& recording) {
-  if (recording.reference()) return ReferenceKind::kIndependent;
-  return default_holdout(recording) > 0 ? ReferenceKind::kHoldout
-                                        : ReferenceKind::kLeaveSelectedOut;
+int offered_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int pieces_per_side) {
+  const int offered = spp - withheld_samples(kind, spp, chosen, pieces_per_side);
+  return kind == ReferenceKind::kCrossfit ? offered / 2 : offered;
+}
+
+ReferenceKind default_reference_kind(int spp, bool has_reference) {
+  if (has_reference) return ReferenceKind::kIndependent;
+  return default_holdout(spp) > 0 ? ReferenceKind::kHoldout : ReferenceKind::kLeaveSelectedOut;
 }
 
 Result<JudgingReference> independent_reference(const RecordedSamples& recording) {

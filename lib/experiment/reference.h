@@ -40,18 +40,19 @@ inline bool is_biased(ReferenceKind kind) {
 
 // Samples per pixel to hold out by default: a quarter, at least 16, and none when the recording is
 // too short to spare them (fewer than 32 samples).
-int default_holdout(const RecordedSamples& recording);
+int default_holdout(int spp);
 // Samples per pixel that a pool holds out for such a reference, where `chosen` are asked for: those
 // where given, else the default of a holdout kind. leave_selected_out holds out at least
 // kLeastWithheld per piece: a sampler that took all samples of a pixel would drop it from its own
 // error, which every method would then do differently. Recordings of fewer offer one per piece, and
 // have no such reference.
 inline constexpr int kLeastWithheld = 3;  // two for a mean with its variance, one to divide by
-int withheld_samples(ReferenceKind kind, const RecordedSamples& recording,
-                     std::optional<int> chosen, int pieces_per_side);
+int withheld_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int pieces_per_side);
+// What is left of a pixel's samples for a sampler; with crossfit, of a half of them.
+int offered_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int pieces_per_side);
 // The kind used without a choice: independent where the recording carries a reference, else
 // holdout where it can spare the samples, else leave_selected_out.
-ReferenceKind default_reference_kind(const RecordedSamples& recording);
+ReferenceKind default_reference_kind(int spp, bool has_reference);
 
 // The reference recorded with the samples. Error kData when there is none, or it is the mean of
 // those samples. Without a recorded variance it is taken as exact.

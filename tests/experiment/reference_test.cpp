@@ -306,13 +306,12 @@ TEST(LeaveSelectedOut, IsUnbiasedForQuarterPixels) {
 
 TEST(Reference, DefaultsFollowWhatTheRecordingHas) {
   const auto grey = [](int, int, int) -> Rgb { return {1.0f, 1.0f, 1.0f}; };
-  EXPECT_EQ(default_holdout(*memory_recording(2, 2, 31, grey)), 0);
-  EXPECT_EQ(default_holdout(*memory_recording(2, 2, 32, grey)), 16);
-  EXPECT_EQ(default_holdout(*memory_recording(2, 2, 256, grey)), 64);
-  EXPECT_EQ(default_reference_kind(*memory_recording(2, 2, 8, grey)),
-            ReferenceKind::kLeaveSelectedOut);
-  const auto withheld = [&](ReferenceKind kind, std::optional<int> chosen, int pieces) {
-    return withheld_samples(kind, *memory_recording(2, 2, 64, grey), chosen, pieces);
+  EXPECT_EQ(default_holdout(31), 0);
+  EXPECT_EQ(default_holdout(32), 16);
+  EXPECT_EQ(default_holdout(256), 64);
+  EXPECT_EQ(default_reference_kind(8, false), ReferenceKind::kLeaveSelectedOut);
+  const auto withheld = [](ReferenceKind kind, std::optional<int> chosen, int pieces) {
+    return withheld_samples(kind, 64, chosen, pieces);
   };
   EXPECT_EQ(withheld(ReferenceKind::kHoldout, {}, 2), 16);
   EXPECT_EQ(withheld(ReferenceKind::kHoldoutPair, 5, 1), 5);
@@ -321,11 +320,13 @@ TEST(Reference, DefaultsFollowWhatTheRecordingHas) {
   EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, 4, 2), 12);
   EXPECT_EQ(withheld(ReferenceKind::kLeaveSelectedOut, 16, 2), 16);
   for (const int spp : {1, 3})
-    EXPECT_EQ(withheld_samples(ReferenceKind::kLeaveSelectedOut, *memory_recording(2, 2, spp, grey),
-                               {}, 1),
-              spp - 1);
-  EXPECT_EQ(default_reference_kind(*memory_recording(2, 2, 64, grey)), ReferenceKind::kHoldout);
-  EXPECT_EQ(default_reference_kind(make_scene_s(4, 4, 64, 1)), ReferenceKind::kIndependent);
+    EXPECT_EQ(withheld_samples(ReferenceKind::kLeaveSelectedOut, spp, {}, 1), spp - 1);
+  EXPECT_EQ(offered_samples(ReferenceKind::kIndependent, 64, {}, 1), 64);
+  EXPECT_EQ(offered_samples(ReferenceKind::kHoldout, 64, {}, 1), 48);
+  EXPECT_EQ(offered_samples(ReferenceKind::kLeaveSelectedOut, 64, {}, 2), 52);
+  EXPECT_EQ(offered_samples(ReferenceKind::kCrossfit, 64, {}, 1), 32);
+  EXPECT_EQ(default_reference_kind(64, false), ReferenceKind::kHoldout);
+  EXPECT_EQ(default_reference_kind(64, true), ReferenceKind::kIndependent);
   EXPECT_FALSE(independent_reference(*memory_recording(2, 2, 8, grey)).has_value());
 }
 

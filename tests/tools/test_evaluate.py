@@ -417,6 +417,19 @@ def test_pool_too_small_for_a_holdout_still_is_judged(good, tmp_path):
     assert rows_of(tmp_path / "out")[0]["mse"] not in ("", "nan")
 
 
+@pytest.mark.parametrize("reference, offered", [("holdout", 16), ("leave_selected_out", 29), ("crossfit", 16), ("independent", 32)])
+def test_a_budget_beyond_what_samplers_are_offered_is_refused_before_work(good, run, tmp_path, reference, offered):
+    radiance, mean = samples(8, 8, 32)
+    exact = np.repeat(mean[:, :, None], 3, axis=2).astype("<f4")
+    path = write_dump(tmp_path / "r.spool", radiance, reference=exact, reference_variance=np.zeros_like(exact))
+    command = ("evaluate", path, "--reference", reference, "--replicates", 1, "--no-pictures", "-o", "out", "--spp")
+    said = [f"of which samplers are offered {offered} ({reference})"] if offered < 32 else []
+    run(*command, offered + 0.5).failed_with(1, f"{offered + 0.5} samples per pixel asked for, the recording has 32", *said)
+    assert not (tmp_path / "out").exists()
+    good(*command, offered)
+    assert float(rows_of(tmp_path / "out")[0]["samples_spent"]) == offered * 64
+
+
 @pytest.mark.parametrize("reference", ["independent", "holdout", "holdout_pair", "leave_selected_out", "crossfit", "pool"])
 def test_every_kind_of_reference_works(good, tmp_path, reference):
     radiance, mean = samples(16, 16, 48)

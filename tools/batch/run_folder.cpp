@@ -9,6 +9,7 @@
 #include "formats/spool_reader.h"
 #include "formats/temporary_file.h"
 #include "lib/experiment/plan_reader.h"
+#include "lib/experiment/reference.h"
 #include "tools/batch/evaluation_pictures.h"
 #include "tools/batch/run_manifest.h"
 #include "tools/methods/external_methods.h"
@@ -54,6 +55,29 @@ Result<void> check_alike(const PlanScene& scene, const std::string& other, const
     return std::string(r.find_layer("reference") ? "has a reference of its own" : "has none");
   };
   if (!plan.experiment.reference && judged(a) != judged(b)) return differ(judged(a), judged(b));
+  return {};
+}
+
+// A sampler that is offered less than the budget would be judged as if it had had all of it.
+Result<void> check_budgets(const Plan& plan, const std::string& dump,
+                           const format::SpoolReader& reader) {
+  const auto recorded = static_cast<int>(reader.header().spp);
+  const bool has_reference = reader.find_layer("reference").has_value();
+  const ReferenceKind kind =
+      plan.experiment.reference.value_or(default_reference_kind(recorded, has_reference));
+  const int offered = std::max(
+      0, offered_samples(kind, recorded, plan.experiment.holdout, plan.experiment.pieces_per_side));
+  for (const double spp : plan.spp) {
+    if (spp <= offered) continue;
+    const std::string judge =
+        offered < recorded
+            ? fmt::format(", of which samplers are offered {} ({})", offered, reference_name(kind))
+            : "";
+    return fail(ErrorCode::kData,
+                "{}: {} samples per pixel asked for, the recording has {}{}: use a smaller --spp "
+                "or record more",
+                dump, spp, recorded, judge);
+  }
   return {};
 }
 
@@ -150,15 +174,7 @@ Result<NamedCells> name_cells(const Plan& plan) {
 Result<std::vector<DumpIdentity>> check_dumps(const Plan& plan) {
   for (const std::string& dump : plan.recordings) {
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
-    for (const double spp : plan.spp) {
-      if (spp > reader.header().spp) {
-        return fail(
-            ErrorCode::kData,
-            "{}: {} samples per pixel asked for, the recording has {}: use a smaller --spp or "
-            "record more",
-            dump, spp, reader.header().spp);
-      }
-    }
+    SPOOL_TRY(check_budgets(plan, dump, reader));
   }
   for (const PlanScene& scene : scenes_of(plan)) {
     for (const std::string& other : scene.recordings)

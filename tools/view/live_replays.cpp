@@ -45,9 +45,10 @@ Result<std::shared_ptr<const OpenRecording>> open_recording(const LiveChoices& c
   const SampleFilm film = film_for(methods.samplers, methods.filters, 1);
   SPOOL_ASSIGN(const auto recording,
                load_recording(choices.recordings[index].path, choices.rules, memory, film));
-  const ReferenceKind kind = choices.reference.value_or(default_reference_kind(*recording));
+  const ReferenceKind kind = choices.reference.value_or(
+      default_reference_kind(recording->spp(), recording->reference().has_value()));
   PoolOptions order = choices.order;
-  order.holdout = withheld_samples(kind, *recording, choices.holdout, order.pieces_per_side);
+  order.holdout = withheld_samples(kind, recording->spp(), choices.holdout, order.pieces_per_side);
   SPOOL_ASSIGN(SamplePool pool, SamplePool::create(recording, order));
   std::optional<JudgingReference> reference = shared_reference(kind, pool);
   return std::make_shared<const OpenRecording>(
