@@ -114,8 +114,9 @@ Result<Plan> plan_of_options(const EvaluateOptions& options) {
   return plan;
 }
 
-// A plan says everything: options beside it would be a second truth.
-Result<void> refuse_options_beside_plan(const EvaluateOptions& options) {
+// A plan says everything: options beside it would be a second truth. `instead`: what to do.
+Result<void> refuse_options_beside_plan(const EvaluateOptions& options,
+                                        const std::string& instead) {
   const std::pair<const char*, bool> given[] = {{"--samplers", !options.samplers.empty()},
                                                 {"--filters", !options.filters.empty()},
                                                 {"--spp", !options.spp.empty()},
@@ -133,10 +134,7 @@ Result<void> refuse_options_beside_plan(const EvaluateOptions& options) {
                                                 {"--fresh", options.fresh},
                                                 {"--baseline", !options.baseline.empty()}};
   for (const auto& [name, is_given] : given) {
-    if (is_given) {
-      return fail(ErrorCode::kUsage, "{}: belongs into the plan {}: write it there", name,
-                  options.files.front().string());
-    }
+    if (is_given) return fail(ErrorCode::kUsage, "{}: {}", name, instead);
   }
   return {};
 }
@@ -145,7 +143,9 @@ Result<Plan> plan_of_file(const EvaluateOptions& options) {
   if (options.files.size() > 1) {
     return fail(ErrorCode::kUsage, "{}: give one plan, or recordings", options.files[1].string());
   }
-  SPOOL_TRY(refuse_options_beside_plan(options));
+  SPOOL_TRY(refuse_options_beside_plan(
+      options,
+      fmt::format("belongs into the plan {}: write it there", options.files.front().string())));
   SPOOL_ASSIGN(Plan plan, read_plan(options.files.front(), {known_samplers(), known_filters()}));
   if (options.no_pictures) plan.pictures = false;
   SPOOL_TRY(read_masks(plan));
@@ -161,6 +161,13 @@ Result<void> check_sweep(const Plan& plan, const CommonOptions& common) {
 }
 
 Result<void> compute_statistics(const EvaluateOptions& options, const CommonOptions& common) {
+  EvaluateOptions others = options;
+  others.baseline.clear();
+  SPOOL_TRY(refuse_options_beside_plan(
+      others, "--statistics-only takes all but the baseline from the folder: leave it out"));
+  if (!options.output.empty())
+    return fail(ErrorCode::kUsage,
+                "-o: --statistics-only writes into the folder of results: leave it out");
   for (const auto& folder : options.files) {
     SPOOL_ASSIGN(Plan plan, kept_plan(folder));
     SPOOL_TRY(choose_baseline(plan, options));
