@@ -40,7 +40,9 @@ def change(tmp_path, folder, cells, factor):
 def test_the_same_results_are_identical(good, evaluate):
     a, b = evaluate("a"), evaluate("b")
     out = good("compare", a, b, "--metric", "relmse,mse").out
-    assert "12 comparisons" in out and "12 identical" in out
+    assert "12 comparisons (paired by replicate, on logarithms, all together)" in out and "12 identical" in out
+    out = good("compare", a, b, "--metric", "relmse,cpu,energy_ratio", "--tolerance", 1000).out
+    assert "18 comparisons (12 paired by replicate, 12 on logarithms, all together)" in out
 
 
 def test_another_seed_is_not_told_apart(good, evaluate):
@@ -281,6 +283,8 @@ def test_statistics_of_an_old_folder_are_computed_anew(run, good, evaluate, tmp_
     good("evaluate", "--statistics-only", a)
     assert json.loads(path.read_text())["conditions"][-1]["about"]["kind"] == "order"
     run("evaluate", "--statistics-only", "none").failed_with(3, "plan.toml")
+    for option in ("--spp=4", "--fresh", "--output=new"):
+        run("evaluate", "--statistics-only", a, option).failed_with(2, option.split("=")[0][:2], "leave it out")
     assert plan.exists()
 
 

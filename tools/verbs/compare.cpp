@@ -32,6 +32,23 @@ std::string ratio_text(const Change& change) {
   return fmt::format("{} [{}, {}]", shown(ratio.mean), shown(ratio.low), shown(ratio.high));
 }
 
+// How they were compared; times are never paired, and some errors have no logarithm.
+std::string way_of(const std::vector<Change>& changes) {
+  long long known = 0, paired = 0, logarithmic = 0;
+  for (const Change& c : changes) {
+    if (c.difference.n == 0) continue;
+    ++known;
+    paired += c.paired;
+    logarithmic += c.difference.logarithmic;
+  }
+  const std::string pairs = paired == 0       ? "independent"
+                            : paired == known ? "paired by replicate"
+                                              : fmt::format("{} paired by replicate", paired);
+  const std::string logs =
+      logarithmic == known ? "on logarithms" : fmt::format("{} on logarithms", logarithmic);
+  return pairs + ", " + logs;
+}
+
 long long count(const Comparisons& outcome, Verdict verdict) {
   return std::ranges::count(outcome.changes, verdict, &Change::verdict);
 }
@@ -68,11 +85,10 @@ std::string text_of(const Comparisons& outcome, bool all) {
       without_error.push_back(c.key);
   }
   list("no error at all, like the reference itself", without_error);
-  const bool paired = std::ranges::any_of(outcome.changes, &Change::paired);
   std::string notes = fmt::format(
-      "{} ({}, on logarithms, all together): {} better, {} worse, {} undecided, "
+      "{} ({}, all together): {} better, {} worse, {} undecided, "
       "{} identical, {} not compared.\n",
-      counted(outcome.changes.size(), "comparison"), paired ? "paired by replicate" : "independent",
+      counted(outcome.changes.size(), "comparison"), way_of(outcome.changes),
       count(outcome, Verdict::kBetter), count(outcome, Verdict::kWorse),
       count(outcome, Verdict::kUndecided), count(outcome, Verdict::kIdentical),
       count(outcome, Verdict::kUnknown));
