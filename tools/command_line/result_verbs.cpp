@@ -45,7 +45,7 @@ void add_judging(CLI::App& verb, EvaluateOptions& options) {
                   "what images are judged by: " + reference_names() +
                       " (default: the first of these that the recording can give)");
   within(verb.add_option("--holdout", options.holdout,
-                         "samples per pixel kept for judging (a quarter, where they are needed)"),
+                         "samples per pixel kept to judge by (a quarter, at least 16, if needed)"),
          kHoldout);
   verb.add_option("--seed", options.seed, "seed of all replicates (1)")->transform(seed_check());
   verb.add_flag("--recorded-order", options.recorded_order,
