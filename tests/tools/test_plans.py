@@ -404,6 +404,9 @@ def test_a_limit_below_the_sweep_is_refused(run, dump, tmp_path):
 def test_threads_may_be_swept_over_and_repeats_give_spreads(good, dump, tmp_path):
     good("evaluate", dump, "--spp", 4, "--filters", "gaussian", "--replicates", 2, "--repeats", 3,
          "--sweep-threads", "1,2", "-o", "out")
+    table = good("evaluate", dump, "--spp", "2,4", "--filters", "box,gaussian", "--replicates", 2, "--sweep-threads", "1,2", "--wide", "-o",
+                 "both").out.split("In the processor time")[1].split("\n\n")[0].splitlines()
+    assert table[1].endswith("threads") and [line.split()[-1] for line in table[2:]] == ["1", "1", "2", "2"]
     rows = rows_of(tmp_path / "out")
     assert [(r["replicate"], r["threads"], r["threads_used"]) for r in rows] == [
         ("0", "1", "1"), ("0", "2", "2"), ("1", "1", "1"), ("1", "2", "2")]

@@ -134,9 +134,10 @@ std::string wide_table(const Study& study, const ShownResults& shown) {
 }
 
 // relMSE in the baseline's processor time.
-std::string equal_time_table(const std::vector<CurveFinding>& curves) {
+std::string equal_time_table(const std::vector<CurveFinding>& curves, bool threads) {
   Rows rows = {
       {"recording", "sampler", "filter", "spp of baseline", "its CPU time", "relMSE ratio then"}};
+  if (threads) rows.front().emplace_back("threads");
   for (const CurveFinding& curve : curves) {
     if (curve.metric != "relmse") continue;
     for (const auto& [at, seconds, found] : curve.equal_time) {
@@ -145,6 +146,7 @@ std::string equal_time_table(const std::vector<CurveFinding>& curves) {
           {shown_scene(curve.recording, curve.group), curve.methods.sampler, curve.methods.filter,
            fmt::format("{:g}", at), std::isfinite(seconds) ? format_seconds(seconds) : "n/a",
            outside ? (found.too_slow ? "too slow" : "too fast") : ratio_text(found.ratio)});
+      if (threads) rows.back().push_back(std::to_string(curve.threads));
     }
   }
   if (rows.size() == 1) return "";
@@ -220,7 +222,8 @@ std::string summary_text(const Study& study, bool wide) {
   if (all.empty()) return "no results\n";
   const ShownResults shown = all.size() > kLongestTable ? best_of_each(all, study.baseline) : all;
   const std::string table =
-      wide ? wide_table(study, shown) + equal_time_table(study.curves) : short_table(study, shown);
+      wide ? wide_table(study, shown) + equal_time_table(study.curves, any_has_threads(study))
+           : short_table(study, shown);
   return wrapped(claims_text(study.claims), line_width()) + table + "\n" +
          wrapped(remarks_text(study, shown, all, wide), line_width());
 }
