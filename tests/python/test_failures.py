@@ -33,7 +33,7 @@ def test_the_same_line(call, words, path, program):
 
 def test_a_line_names_no_option_of_the_program(path, tmp_path):
     page, plan = spool.show(np.ones((4, 5, 3))), {"samplers": ["uniform"], "filters": ["box"], "spp": [2], "replicates": 1}
-    made, other = ({"recordings": [np.full((4, 5, 4, 3), value)], **plan} for value in (1.0, 2.0))
+    made, other = ({"recordings": [np.full((4, 5, 8, 3), value)], **plan} for value in (1.0, 2.0))
     spool.evaluate(made, output=tmp_path / "kept")
     for call, words in ((lambda: spool.synth("slanted_edge", path=path), "scene.spool: exists.*force=True"),
                         (lambda: page.save(path), "scene.spool: exists.*force=True"),
@@ -259,6 +259,19 @@ def test_a_name_with_line_ends_that_only_text_has(path, tmp_path):
     plan = {"recordings": [other], "samplers": ["uniform"], "filters": ["box"], "spp": [2], "replicates": 2}
     rows = spool.evaluate(plan, output=tmp_path / "results").rows
     assert [row["dump"] for row in rows] == [other.stem] * 2 and rows == spool.results(tmp_path / "results").rows
+
+
+@pytest.mark.parametrize("rows, statistics, words", [("[1]\n", "{}", "results.jsonl: holds no objects"), ("", "[]", "statistics.json: holds no objects"),
+                                                     ("", '{"claims": 1}', "statistics.json: has no (results|claims)"), ("", "{", "statistics.json: is no JSON")])
+def test_results_that_somebody_changed(tmp_path, rows, statistics, words):
+    (tmp_path / "results.jsonl").write_text(rows)
+    (tmp_path / "statistics.json").write_text(statistics)
+    found = spool.results(tmp_path)
+    with pytest.raises(spool.SpoolError, match=words):
+        assert found.rows is None or found.means is None
+    if rows == "":
+        with pytest.raises(spool.SpoolError, match=words):
+            assert found.claims
 
 
 def test_no_plan_is_replaced_by_its_own_results(path, tmp_path):

@@ -52,7 +52,7 @@ def test_evaluate_goes_on_afterwards(large, tmp_path):
 
 def test_evaluate_of_arrays_goes_on_afterwards(tmp_path):
     def evaluated(random):
-        samples = np.random.default_rng(random).random((8, 8, 4, 3))
+        samples = np.random.default_rng(random).random((8, 8, 8, 3))
         return spool.evaluate({"recordings": [samples, spool.recording(samples, albedo=samples, reference=samples[:, :, 0])], "spp": [2],
                                "replicates": 1, "samplers": ["uniform"], "filters": ["box"]}, output=tmp_path / "kept").rows
 

@@ -108,12 +108,17 @@ class Results:
     @property
     def means(self) -> list[dict]:
         """A dict for each recording or group, sampler, filter and budget: mean, interval and verdict of each metric."""
-        return self.statistics["results"]
+        return self._list("results")
 
     @property
     def claims(self) -> list[dict]:
         """The questions of the plan, each with its verdict and the places where it was asked."""
-        return self.statistics["claims"]
+        return self._list("claims")
+
+    def _list(self, key):
+        if not isinstance(found := self.statistics.get(key), list):
+            raise SpoolError("data", f"{os.path.join(self.folder, _FILES[1])}: has no {key}: evaluate it again")
+        return found
 
     def to_pandas(self):  # -> pandas.DataFrame, where pandas is there
         """The rows as a pandas.DataFrame."""
@@ -204,9 +209,12 @@ def _functions_of(plan):
 
 def _parsed(folder, name, written):
     try:
-        return json.loads(written)
+        parsed = json.loads(written)
     except ValueError as reason:
         raise SpoolError("data", f"{os.path.join(folder, name)}: is no JSON ({reason}): evaluate it again") from reason
+    if not isinstance(parsed, dict):
+        raise SpoolError("data", f"{os.path.join(folder, name)}: holds no objects: evaluate it again")
+    return parsed
 
 
 def _read(folder, name):
