@@ -229,7 +229,7 @@ std::string difference(const json& there, const json& here, const std::string& p
       keys.insert(item.key());
     for (const std::string& key : keys) {
       if (path.empty() && key == "seed") continue;
-      const std::string inner = path.empty() ? key : path + "." + key;
+      const std::string inner = path.empty() ? key : fmt::format("{}.{}", path, key);
       const std::string found =
           difference(there.value(key, json()), here.value(key, json()), inner);
       if (!found.empty()) return found;

@@ -77,9 +77,9 @@ std::string_view asked_limit() {
 
 std::optional<std::uint64_t> number_of_bytes(std::string_view text) {
   std::uint64_t bytes = 0;
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, bytes);
-  return read.ec == std::errc() && read.ptr == end ? std::optional(bytes) : std::nullopt;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), bytes);
+  const bool whole = read.ec == std::errc() && read.ptr == text.data() + text.size();
+  return whole ? std::optional(bytes) : std::nullopt;
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::optional<std::uint64_t> available_memory(std::uint64_t to_be_mapped) {
   const auto threads = static_cast<std::uint64_t>(allowed_threads() - 1);  // beside this one
   take_least(bytes, left_of_limit(RLIMIT_AS, 0, to_be_mapped + threads * kBytesPerThread));
   take_least(bytes, left_of_limit(RLIMIT_DATA, 5, threads * kBytesPerThread));
-  if (const auto wanted = number_of_bytes(asked_limit())) take_least(bytes, *wanted);
+  take_least(bytes, number_of_bytes(asked_limit()));
   return bytes;
 }
 

@@ -53,7 +53,8 @@ GroupMeans group_means(const SamplePool& pool, const CountImage& n, const CountI
       });
       for (int k = 0; k < groups; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        result.mean[at](x, y) = sum[at] / ((position - k + groups - 1) / groups);
+        const int taken = (position - k + groups - 1) / groups;
+        result.mean[at](x, y) = sum[at] / taken;
       }
       result.own(x, y) = (total - largest) / std::max(position - 1, 1);
     }
