@@ -58,11 +58,13 @@ def test_shards_of_equal_process_ids_do_not_meet(good, plan, tmp_path):
 
 def test_two_runs_of_one_folder_both_end_well(good, plan, tmp_path):
     good("evaluate", plan, "-o", "whole")
-    both = [subprocess.Popen([PROGRAM, "evaluate", plan, "-o", tmp_path / "r"], stdout=subprocess.DEVNULL,
-                             stderr=subprocess.PIPE, text=True) for _ in range(2)]
-    errors = [one.communicate(timeout=120)[1] for one in both]
-    assert [one.returncode for one in both] == [0, 0], errors
-    assert_same_results(tmp_path / "whole", tmp_path / "r", images=True)
+    for turn in range(4 * ROUNDS):
+        folder = tmp_path / f"r{turn}"
+        runs = [subprocess.Popen([PROGRAM, "evaluate", plan, "-o", folder], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.PIPE, text=True) for _ in range(3)]
+        errors = [run.communicate(timeout=120)[1] for run in runs]
+        assert [run.returncode for run in runs] == [0] * 3, errors
+        assert_same_results(tmp_path / "whole", folder, images=True)
 
 
 def test_what_killed_runs_left_is_swept_and_what_others_write_is_not(good, plan, tmp_path):

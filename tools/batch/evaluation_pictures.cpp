@@ -89,7 +89,10 @@ Result<void> EvaluationPictures::add(const CellResult& result, const CellImages&
 }
 
 void EvaluationPictures::remove(const Cell& cell) const {
-  remove_images(folder_, stem_of(cell));
+  const std::string stem = stem_of(cell);
+  remove_images(folder_, stem);
+  std::error_code status;
+  std::filesystem::remove(folder_ / stem, status);  // where it is empty
 }
 
 void EvaluationPictures::remove_all(const Plan& plan) const {

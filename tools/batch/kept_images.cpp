@@ -153,7 +153,6 @@ void remove_images(const fs::path& folder, const std::string& stem) {
     for (const char* kind : {".png", ".exr"})
       fs::remove(folder / stem / (name + kind), status);
   }
-  fs::remove(folder / stem, status);  // where it is empty
 }
 
 Result<std::size_t> draw_pictures(const fs::path& folder, const CommonOptions& common) {

@@ -17,7 +17,8 @@ namespace spool::tools {
 // recording, by the name that its reference NAME_reference.exr has beside the folders of results.
 ExrAttributes image_attributes(const std::string& title, double spp, const std::string& recording);
 
-// Removes the images and pictures of the result `stem`. Other files in its folder are the user's.
+// Removes the images and pictures of the result `stem`. Other files in its folder are the user's,
+// and the folder stays: another process may be about to write into it.
 void remove_images(const std::filesystem::path& folder, const std::string& stem);
 
 // Draws every result in `folder`, and maps that are not kept; returns how many. kData where there
