@@ -276,6 +276,21 @@ def test_no_plan_is_replaced_by_its_own_results(good, run, dump, tmp_path):
     good("evaluate", "out/plan.toml", "-o", "out", "--no-pictures", "--force")
 
 
+@pytest.mark.parametrize("name", ["manifest.json", "results.csv"])
+def test_force_replaces_no_results_of_other_programs(good, run, dump, tmp_path, name):
+    other = tmp_path / "out" / name
+    other.parent.mkdir()
+    (other.parent / "notes.txt").write_text("mine")
+    command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "-o", "out", "--force")
+    good(*command)
+    for path in other.parent.iterdir():
+        if path.name != "notes.txt":
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+    other.write_text("of another program")
+    run(*command).failed_with(2, f"{name}: no evaluation wrote it")
+    assert {path.name for path in other.parent.iterdir()} == {name, "notes.txt"} and other.read_text() == "of another program"
+
+
 def test_force_begins_anew_whatever_was_kept(good, dump, tmp_path):
     command = ("evaluate", dump, "--spp", 4, "--replicates", 1, "--no-pictures", "-o", "out")
     good(*command)

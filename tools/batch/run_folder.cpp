@@ -1,6 +1,7 @@
 #include "tools/batch/run_folder.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <iterator>
 #include <limits>
@@ -81,14 +82,33 @@ Result<void> check_budgets(const Plan& plan, const std::string& dump,
   return {};
 }
 
+constexpr std::array kResultFiles = {"claims.json",    "dumps.json",  "inputs.json",
+                                     "manifest.json",  "results.csv", "results.jsonl",
+                                     "statistics.json"};
+
+// Other programs have files of these names, too; an evaluation has its plan or cells beside them,
+// also where it was killed.
+Result<void> check_own_results(const fs::path& folder) {
+  std::error_code status;
+  if (CellStore::is_in(folder) || fs::exists(folder / "plan.toml", status)) return {};
+  for (const char* name : kResultFiles) {
+    if (!fs::exists(folder / name, status)) continue;
+    return fail(ErrorCode::kUsage,
+                "{}: no evaluation wrote it, no plan.toml is beside it: choose another folder, or "
+                "delete it",
+                (folder / name).string());
+  }
+  return {};
+}
+
 // What evaluations wrote, and nothing else. Cells go first: a folder without them is not gone on
 // with, so that nothing old is taken for new where this is killed. Pictures of `plan`, too: the
 // plan that made them may be gone, and they would be shown beside its results.
 Result<void> remove_results(const fs::path& folder, const Plan& plan) {
+  SPOOL_TRY(check_own_results(folder));
   SPOOL_TRY(CellStore::remove_all(folder));
   std::error_code status;
-  for (const char* name : {"dumps.json", "inputs.json", "manifest.json", "results.csv",
-                           "results.jsonl", "statistics.json"})
+  for (const char* name : kResultFiles)
     fs::remove(folder / name, status);
   for (const fs::path& shard : shard_manifests(folder))
     fs::remove(shard, status);
