@@ -176,7 +176,7 @@ Result<void> write_tile(SpoolWriter& writer, const DumpGeometry& geometry, uint1
       SPOOL_TRY(fill_layer(geometry, part, layer, channel, source, scratch, counts));
       channel += layer.array.components;
     }
-    for (uint32_t b = part.block; b <= part.last && layout.scope != Scope::kPass; ++b)
+    for (uint32_t b = part.block; b <= part.last; ++b)
       scratch.watch.add(part.rect, geometry.block_begin(group, b), geometry.block_count(group, b),
                         layout.type, layers, scratch.payloads[b - part.block]);
     for (uint32_t b = part.block; b <= part.last; ++b)

@@ -21,6 +21,7 @@ constexpr uint64_t kLeastVectors = 16, kManyVectors = 1000;
 constexpr uint64_t kLeastLevels = 32;  // of 256, that no light by chance has only
 constexpr double kFar = 1e9;           // what a renderer writes where nothing is hit
 constexpr double kTolerance = 0.05, kZero = 0.02;
+constexpr const char* kFilm = "film";
 
 // Length of factor * v + offset.
 double length(std::span<const double> v, double factor, double offset) {
@@ -48,7 +49,8 @@ void FeatureRanges::add(const std::string& layer, size_t components, size_t pixe
   if (!known || type == DataType::kUint32 || components > 3) return;
   const Semantic kind = known->semantic;
   if (kind != Semantic::kDirection && kind != Semantic::kReflectance &&
-      kind != Semantic::kDistance && kind != Semantic::kPosition && kind != Semantic::kLight)
+      kind != Semantic::kDistance && kind != Semantic::kPosition && kind != Semantic::kLight &&
+      layer != kFilm)
     return;
   Range& range = ranges_[layer];
   range.components = components;
@@ -191,6 +193,16 @@ std::string FeatureRanges::of_distance(const std::string& layer, const Range& ra
                      span, position->first, widest);
 }
 
+std::string FeatureRanges::of_film(const Range& range) {
+  const double least = *std::min_element(range.least.begin(), range.least.end());
+  const double most = *std::max_element(range.most.begin(), range.most.end());
+  if (range.below == 0 && range.far == 0 && most < 1) return {};
+  return fmt::format(
+      "{}: from {:.6g} to {:.6g}: positions inside the pixel are expected, 0 to below 1: store v - "
+      "floor(v)",
+      kFilm, least, most);
+}
+
 std::vector<std::string> FeatureRanges::remarks() const {
   std::vector<std::string> found;
   for (const auto& [layer, range] : ranges_) {
@@ -199,6 +211,7 @@ std::vector<std::string> FeatureRanges::remarks() const {
                          : kind == Semantic::kReflectance ? of_reflectance(layer, range)
                          : kind == Semantic::kDistance    ? of_distance(layer, range)
                          : kind == Semantic::kLight       ? of_light(layer, range)
+                         : layer == kFilm                 ? of_film(range)
                                                           : std::string();
     if (!remark.empty()) found.push_back(std::move(remark));
   }

@@ -1,5 +1,6 @@
 // Features in another convention, recognised by the range of their values: normals stored as
-// n / 2 + 1 / 2, reflectances above 1, distances below 0 or of a depth buffer, light of 8 bits.
+// n / 2 + 1 / 2, reflectances above 1, distances below 0 or of a depth buffer, light of 8 bits,
+// film positions outside the pixel.
 #pragma once
 
 #include <array>
@@ -43,6 +44,7 @@ class FeatureRanges {
   static std::string of_direction(const std::string& layer, const Range& range);
   static std::string of_light(const std::string& layer, const Range& range);
   static std::string of_reflectance(const std::string& layer, const Range& range);
+  static std::string of_film(const Range& range);
   std::string of_distance(const std::string& layer, const Range& range) const;
 
   size_t stride_ = 1;

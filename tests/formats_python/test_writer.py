@@ -290,6 +290,12 @@ def test_what_pack_remarks_is_warned_of_in_its_words(tmp_path):
     assert warned(radiance, normal=unit, hit=np.ones((8, 8, 4), "u1")) == []
     assert warned(radiance, normal=unit / 2 + 0.5) == ["normal: encoded as n / 2 + 1 / 2 (no value is below 0): store 2 v - 1"]
     assert warned(radiance, normal_geo=np.rint((unit / 2 + 0.5) * 255)) == ["normal_geo: encoded in 8 bits, 0 to 255: store 2 v / 255 - 1"]
+    film = random.random((8, 8, 4, 2))
+    assert warned(radiance, film=film) == []
+    film[0, 0, 0, 0] = np.nextafter(1.0, 0.0)  # which float32 does not have: it is stored as 1
+    for scale, most in ((1.0, "1"), (8.0, "8")):
+        (remark,) = warned(radiance, film=film * scale)
+        assert remark.startswith("film: from ") and f"to {most}: positions inside the pixel are expected" in remark, remark
     radiance[0, 0, 0] = np.inf, np.nan, -65504
     assert warned(radiance, normal=np.abs(unit)) == ["values that are not finite, stored as they are: 2",
                                                      "values at the half-float limit, clamped by the renderer: 1"]

@@ -1,4 +1,5 @@
 """Samples that are not what a dump claims of them, in folders and arrays alike; features in another convention; references of another picture."""
+import json
 import warnings
 
 import numpy as np
@@ -134,6 +135,8 @@ CONVENTIONS = {
     "depth buffer": ({"depth": 1 - RNG.random(SHAPE) / 10}, "of a depth buffer?"),
     "bytes": ({"radiance": np.random.default_rng(36).integers(0, 256, SHAPE + (3,))}, "radiance: all values are whole numbers up to 255"),
     "bytes as floats": ({"radiance": np.random.default_rng(36).integers(0, 256, SHAPE + (3,)) / 255}, "radiance: all values are multiples of 1 / 255"),
+    "places in the picture": ({"film": RNG.random(SHAPE + (2,)) * 20}, "film: from "),
+    "places from the middle": ({"film": RNG.random(SHAPE + (2,)) - 0.5}, "film: from -0."),
     "units": ({"depth": 1000 * PLACES[..., 0], "position": PLACES}, "depth: spans 1e+04 where position spans 17"),
 }
 
@@ -149,9 +152,17 @@ def test_features_in_another_convention_are_named(tmp_path, kind):
         assert remark in dump.meta["import_remarks"][0]
 
 
+def test_places_of_passes_are_looked_at(tmp_path):
+    for places, remarks in ((RNG.random((SHAPE[2], 2)), []), (RNG.random((SHAPE[2], 2)) * 20, ["film: from "])):
+        np.savez(tmp_path / "a.npz", radiance=RNG.random(SHAPE + (3,)).astype("f4"), film=places.astype("f4"),
+                 meta=json.dumps({"scope": {"film": "pass"}}))
+        code, message = run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC", "force"))[0]
+        assert code == 0 and all(remark in message for remark in remarks) and bool(message) == bool(remarks), message
+
+
 def test_features_as_the_format_has_them_are_not_remarked(tmp_path):
     arrays = {"radiance": RNG.random(SHAPE + (3,)), "normal": MISSED, "albedo": RNG.random(SHAPE + (3,)), "position": PLACES,
-              "depth": np.where(RNG.random(SHAPE) < 0.2, 0, PLACES[..., 2] + 1)}
+              "depth": np.where(RNG.random(SHAPE) < 0.2, 0, PLACES[..., 2] + 1), "film": RNG.integers(0, 64, SHAPE + (2,)) / 64}
     for dtype in ("f4", "f2"):
         np.savez(tmp_path / "a.npz", **{name: values.astype(dtype) for name, values in arrays.items()})
         assert run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC", "force"))[0] == (0, "")

@@ -53,6 +53,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
         try:
             _note_values(path, arrays)
             _note_normals(path, arrays)
+            _note_film(path, arrays)
             _write_all(writer, arrays, declared)
         except (SpoolError, Warning) as error:
             if getattr(error, "kind", "usage") == "usage":  # of the arrays, which are all still there
@@ -90,6 +91,16 @@ def _note_normals(path, arrays):
             warnings.warn(f"{path}: {name}: encoded as n / 2 + 1 / 2 (no value is below 0): store 2 v - 1", stacklevel=3)
         elif _near_one(v * 2 / 255 - 1).mean() >= 0.95:
             warnings.warn(f"{path}: {name}: encoded in 8 bits, 0 to 255: store 2 v / 255 - 1", stacklevel=3)
+
+
+def _note_film(path, arrays):
+    """As `spool pack` remarks it (formats/interchange/feature_ranges.cpp). What is float64 is rounded first, as it is stored."""
+    film = np.asarray(arrays.get("film", ()))
+    stored = film.astype(np.float32) if film.dtype == np.float64 else film
+    stored = stored[np.isfinite(stored)] if stored.dtype.kind == "f" else stored
+    if stored.size and (stored.min() < 0 or stored.max() >= 1):
+        warnings.warn(f"{path}: film: from {stored.min():.6g} to {stored.max():.6g}: positions inside the pixel are expected, 0 to below 1: "
+                      "store v - floor(v)", stacklevel=3)
 
 
 def check_reference(path, arrays):
