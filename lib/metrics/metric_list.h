@@ -1,4 +1,4 @@
-// The metrics by name, each as a rule on sums over pixels; of error_metrics.cpp alone.
+// The metrics by name, each as a rule on sums over pixels; of this room alone.
 #pragma once
 
 #include <array>
