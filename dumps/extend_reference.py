@@ -22,7 +22,7 @@ try:
     from dumps.recording.rewritten import rewrite
     from dumps.verify.verify import keep_verification, verify
 except ImportError as error:
-    print("extend_reference: %s" % module_failure(error, "reads a dump", "dumps/extend_reference.py"), file=sys.stderr)
+    print("extend_reference: %s" % module_failure(error, "reads a recording", "dumps/extend_reference.py"), file=sys.stderr)
     sys.exit(3)
 
 SAME = ("scene.sha256", "renderer", "renderer_version", "camera", "frame", "settings", "shutter")

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Records a scene with Blender's Cycles and packs it into one dump:
+# Records a scene with Blender's Cycles and packs it into one recording:
 #   dumps/record.sh NAME|FILE.py|FILE.blend [--size WxH] [--samples N] [--reference N] [--OPTION VALUE]... -o FILE.spool
 # NAME is a script of dumps/scenes, FILE.py one with build(find), which returns a scene. Further options go to dumps/cycles/record.py (--mode, --seed, --channels ...).
 # --recordings 4 makes four recordings of a quarter of the samples each, FILE_1.spool ..., which share the reference and are judged as a group by
-# `spool evaluate FILE_*.spool`. --compress, --full-features and --half-radiance go to `spool pack`. dumps/verify tests the samples and keeps what it found in the dump (`spool info`
-# shows it); --no-verify leaves that out. The passes lie in FILE.spool.passes, and each goes when the dump takes it, so that the disk holds no
+# `spool evaluate FILE_*.spool`. --compress, --full-features and --half-radiance go to `spool pack`. dumps/verify tests the samples and keeps what it found in the recording (`spool info`
+# shows it); --no-verify leaves that out. The passes lie in FILE.spool.passes, and each goes when the recording takes it, so that the disk holds no
 # sample twice: an interrupted run continues, and one that was killed while it packed renders those again. --keep leaves them there. --force
 # replaces a file of that name.
 # BLENDER names the Blender to use, or a Python with the module bpy; SPOOL the program.
@@ -39,7 +39,7 @@ while [ "$count" -gt 0 ]; do
   esac
 done
 case $out in -*) out=./$out ;; esac
-[ -n "$out$dry" ] || fail 2 "no file for the dump: give -o FILE.spool"
+[ -n "$out$dry" ] || fail 2 "no file for the recording: give -o FILE.spool"
 case $scene in *.blend) set -- --blend "$scene" "$@" ;; *) set -- --scene "$scene" "$@" ;; esac
 passes=$out.passes
 [ -z "$out" ] || set -- "$@" -o "$passes"
@@ -114,7 +114,7 @@ finish() {
   whole=$1; to=$2; result=0
   [ -e "$whole" ] || return 0    # a run that was stopped has named it
   if [ -z "$checker" ]; then
-    mv -f "$whole" "$to" || fail 3 "$to was not made: the dump is kept in $whole, the same command goes on from there"
+    mv -f "$whole" "$to" || fail 3 "$to was not made: the recording is kept in $whole, the same command goes on from there"
     [ -z "$verify" ] ||
       echo "record.sh: $to is not verified: apt-get install python3-numpy python3-zstandard, then dumps/verify/verify.py $to --write" >&2
     return
@@ -124,7 +124,7 @@ finish() {
   # The passes go at the end: only a file that is under its name stands for them, whatever the code says.
   if [ -e "$whole" ] || [ ! -e "$to" ]; then
     [ "$result" -gt 1 ] || result=3
-    fail "$result" "$to was not made, the dump is kept in $whole: the same command goes on from there (--no-verify leaves the test out)"
+    fail "$result" "$to was not made, the recording is kept in $whole: the same command goes on from there (--no-verify leaves the test out)"
   fi
   [ "$result" -le 1 ] || exit "$result"
   [ "$result" = 0 ] || { code=1; echo "record.sh: $to is whole, but its samples are not what they should be: see above" >&2; }

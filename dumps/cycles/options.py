@@ -46,7 +46,7 @@ def parse_options(arguments):
     parser.add_argument("--substitute", action="append", default=[], metavar="NAME=FILE",
                         help="use FILE where the scene names the file NAME")
     parser.add_argument("--packed", action="store_true",
-                        help="of dumps/record.sh: the passes are in a dump already, only compare scene and settings")
+                        help="of dumps/record.sh: the passes are in a recording already, only compare scene and settings")
     parser.add_argument("--fold", action="store_true", help="of dumps/record.sh: the reference comes first, and its batches become one file, "
                         "their mean and its variance, when it is whole")
     parser.add_argument("--camera", help="name of the camera object")

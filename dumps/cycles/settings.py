@@ -142,7 +142,7 @@ def set_pattern(cycles):
 def refuse_other_colours():
     space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
     if space != "Linear Rec.709":
-        raise scene_failure("working colour space is '%s': a dump holds linear Rec.709, change it in "
+        raise scene_failure("working colour space is '%s': a recording holds linear Rec.709, change it in "
                             "the scene" % space)
 
 

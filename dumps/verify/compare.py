@@ -11,14 +11,21 @@ import json
 import os
 import sys
 
-import numpy as np
-
 sys.path.insert(0, os.path.abspath(os.path.join(__file__, "..", "..", "..")))
 sys.path.insert(1, os.path.join(sys.path[0], "formats", "python"))
 
-import spool
-from dumps.recording.failure import guarded, scene_failure
-from dumps.verify.reference_agreement import LUMINANCE, luminance_variance
+from dumps.recording.failure import guarded, module_failure, scene_failure
+
+try:
+    import numpy as np
+
+    import spool
+    from dumps.verify.reference_agreement import LUMINANCE, luminance_variance
+except ImportError as error:
+    if __name__ != "__main__":
+        raise
+    print("compare: %s" % module_failure(error, "reads a recording", "dumps/verify/compare.py"), file=sys.stderr)
+    sys.exit(3)
 
 BLOCK = 8                # pixels along a side, of a smaller picture its own; pixels that are clearly different are few and lie together
 

@@ -2,7 +2,7 @@
 """Test that the samples of a .spool recording are what its header claims.
 
     python3 dumps/verify/verify.py scene.spool             print the findings
-    python3 dumps/verify/verify.py scene.spool --write     and keep them in the dump's metadata
+    python3 dumps/verify/verify.py scene.spool --write     and keep them in the recording's metadata
 
 Exit codes: 0 no claim fails, 1 a claim fails or the file is no recording, 2 wrong use, 3 the system refused, 4 damage.
 """
@@ -32,7 +32,7 @@ try:
 except ImportError as error:
     if __name__ != "__main__":
         raise
-    failure = module_failure(error, "reads a dump", "dumps/verify/verify.py")
+    failure = module_failure(error, "reads a recording", "dumps/verify/verify.py")
     print("verify: %s" % failure, file=sys.stderr)
     sys.exit(failure.code)     # Python's own exit code of a failed import means here that a claim fails
 
@@ -92,9 +92,9 @@ def main():
 
 def run():
     parser = Parser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("dump")
-    parser.add_argument("--write", action="store_true", help="keep the findings in the dump's metadata")
-    parser.add_argument("--move-to", metavar="FILE", help="keep them in the dump, and give it this name")
+    parser.add_argument("dump", metavar="recording")
+    parser.add_argument("--write", action="store_true", help="keep the findings in the recording's metadata")
+    parser.add_argument("--move-to", metavar="FILE", help="keep them in the recording, and give it this name")
     parser.add_argument("--force", action="store_true", help="replace the file of that name")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--quiet", action="store_true", help="print only what fails or is remarkable")

@@ -12,21 +12,22 @@ from conftest import ROOT
 VERIFY = os.path.join(ROOT, "dumps", "verify", "verify.py")
 
 
-def run(*arguments, python=()):
-    return subprocess.run([sys.executable, *python, VERIFY, *map(str, arguments)], capture_output=True, text=True)
+def run(*arguments, python=(), script=VERIFY):
+    return subprocess.run([sys.executable, *python, script, *map(str, arguments)], capture_output=True, text=True)
 
 
-def one_line(text):
-    assert text.count("\n") == 1 and text.startswith("verify: "), text
+def one_line(text, name="verify"):
+    assert text.count("\n") == 1 and text.startswith(name + ": "), text
     return text
 
 
-def test_a_python_without_numpy_is_one_line_and_not_a_claim_that_fails():
-    done = run("nowhere.spool", python=("-S", "-E"))
-    assert done.returncode == 3 and "no numpy, which reads a dump: apt-get install python3-numpy" in one_line(done.stderr)
+@pytest.mark.parametrize("name", ["verify", "compare"])
+def test_a_python_without_numpy_is_one_line_and_not_a_claim_that_fails(name):
+    done = run("nowhere.spool", "other.spool", python=("-S", "-E"), script=VERIFY.replace("verify.py", name + ".py"))
+    assert done.returncode == 3 and "no numpy, which reads a recording: apt-get install python3-numpy" in one_line(done.stderr, name)
 
 
-@pytest.mark.parametrize("arguments, words", [((), "required: dump"), (("a", "--nope"), "unrecognized arguments: --nope")])
+@pytest.mark.parametrize("arguments, words", [((), "required: recording"), (("a", "--nope"), "unrecognized arguments: --nope")])
 def test_wrong_use_is_one_line(arguments, words):
     done = run(*arguments)
     assert done.returncode == 2 and words in one_line(done.stderr) and done.stdout == ""

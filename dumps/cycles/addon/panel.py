@@ -12,7 +12,7 @@ class Preferences(bpy.types.AddonPreferences):
 
     spool: bpy.props.StringProperty(
         name="spool", subtype="FILE_PATH", default="spool",
-        description="The program that packs passes into a dump and checks it: a path, or a name that is looked for on "
+        description="The program that packs passes into a recording and checks it: a path, or a name that is looked for on "
                     "the path and where pip puts programs; without it the folder of passes is left")
 
     def draw(self, context):

@@ -78,7 +78,7 @@ class Recording:
             self.state, self.message = "done", "recorded and checked: %s" % self.file
         else:
             self.state = "done"
-            self.message = "recorded in %s; spool pack makes it a dump (pip install spool-lab, or set the program in the preferences)" \
+            self.message = "recorded in %s; spool pack makes it a recording (set the program in the preferences, or install its wheel: docs/python.md)" \
                 % self.folder
 
     def _last_line(self):
