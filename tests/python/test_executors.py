@@ -340,4 +340,5 @@ def test_a_python_without_the_package_is_named(shell, tmp_path, monkeypatch):
     monkeypatch.setenv("SPOOL_PYTHON", "/nonexistent/python3")
     code, said = shell("processes:1", "-o", tmp_path / "results")
     assert code == 2 and "/nonexistent/python3 has no package spool" in said and "\n" not in said
+    assert "pip install spool-lab" not in said and "docs/python.md" in said  # no index of packages has it
     assert shell("processes:1", "-o", tmp_path / "results", "--merge")[0] == 2

@@ -67,11 +67,10 @@ Result<bool> run_on_workers(const RunRequest& request, const std::string& execut
       run_python(std::move(words), kNoPackage, "", PythonErrors::kPrinted, scratch.path());
   if (run.exit_code == 0 || run.exit_code == kWasWorker) return run.exit_code == 0;
   if (run.exit_code == kPythonNotFound || run.exit_code == kNoPackage) {
-    return fail(
-        ErrorCode::kUsage,
-        "--executor {}: {} has no package spool with its workers: pip install spool-lab, or "
-        "let SPOOL_PYTHON name the interpreter that has it",
-        executor, run.python);
+    return fail(ErrorCode::kUsage,
+                "--executor {}: {} has no package spool with its workers: install its wheel "
+                "(docs/python.md), or let SPOOL_PYTHON name the interpreter that has it",
+                executor, run.python);
   }
   const std::string said = run.out.substr(run.out.find_last_of('\n') + 1);
   const bool known = run.exit_code <= 4 && !said.empty();
