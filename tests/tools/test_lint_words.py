@@ -31,3 +31,14 @@ def test_a_word_in_prose_is_found_with_its_line(tmp_path, name, text):
     ("a.in", "Give `dump` and [dumps/tiny](dumps/tiny/README.md):\n\n    spool info dump\n\n```\nnobody\n```\n")])
 def test_names_and_code_are_left_alone(tmp_path, name, text):
     assert found(tmp_path, name, text) == ""
+
+
+@pytest.mark.parametrize("before, number, there", [("docs/decisions.md, ", "0031", False), ("decision ", "7", True), ("decision ", "70", True),
+                                                   ("docs/decisions.md, ", "0070", True), ("decision ", "159", False)])
+def test_a_decision_that_is_not_on_the_page_is_found(tmp_path, before, number, there):
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/decisions.md").write_text("### 0070 Intervals\n")
+    (tmp_path / "a.h").write_text(f"// {before}{number}\n")
+    rule = "from pathlib import Path; from lint_rules import pages; print(*pages.missing_decisions([Path('a.h')]))"
+    done = subprocess.run([sys.executable, "-c", rule], cwd=tmp_path, env={"PYTHONPATH": str(ROOT / "tools")}, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ("" if there else f"a.h:1: docs/decisions.md has no decision {number}")

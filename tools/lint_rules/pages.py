@@ -8,6 +8,7 @@ from pathlib import Path
 
 LINK = re.compile(r"\]\(([^)\s#]*)(?:#([^)\s]*))?\)")
 PAGE_NAME = re.compile(r"(?<![\w/.*-])((?:[\w.-]+/)*[\w-]+\.md)\b")
+DECISION = re.compile(r"\bdecisions?(?:\.md,)? (\d{2,4})\b")
 START = Path("README.md")
 MADE = {"table.md", "claims.md", "curves.md"}  # by the program, or with the site
 
@@ -71,6 +72,15 @@ def decisions():
             yield f"docs/decisions.md: two decisions have the number {number}"
 
 
+def missing_decisions(files):
+    numbers = set(re.findall(r"^### (\d{4})", Path("docs/decisions.md").read_text(encoding="utf-8"), re.M))
+    for path in files:
+        for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
+            for name in DECISION.findall(line):
+                if f"{int(name):04}" not in numbers:
+                    yield f"{path}:{number}: docs/decisions.md has no decision {name}"
+
+
 def check(files):
     pages = [path for path in files if path.suffix == ".md"]
     code = [path for path in files if path.suffix in {".h", ".cpp", ".py", ".sh", ".md", ".cmake"}
@@ -79,3 +89,4 @@ def check(files):
     yield from unreached(pages)
     yield from missing_names(code, pages)
     yield from decisions()
+    yield from missing_decisions([*code, *(path for path in files if path.suffix in {".txt", ".toml", ".in"})])
