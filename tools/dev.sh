@@ -40,7 +40,7 @@ usage: tools/dev.sh VERB [ARGUMENTS]
   wheel [PYTHON...]             the Python package with the program and all it needs, in build/wheels: one wheel for each
                                 PYTHON (default /usr/bin/python3), one for all from 3.12 on
   addon [FILE]                  make the Blender add-on as one file to install
-  bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs/speed.md
+  bench [SUBJECT] [ARGS]        measure SUBJECT, a folder of tools/bench (default: each); results into docs (speed.md, limits.md, coverage.md ...)
   experiments [ID...] [--more]  run the standard plans (tools/plans) and write docs/experiments.md from their results;
                                 what is done is not done again (half an hour of two cores in all)
   experiments --full [ID...] [--recording NAME]
