@@ -93,13 +93,19 @@ def show(pools, folder, scenes):
     print("to do: %s of CPU" % duration(sum(seconds_of(pool) for pool in pools.values() if state(pool, folder) != "here")))
 
 
+def held_of(claims):
+    """"16 hold, 2 not known": 16 of 18."""
+    counts = {words.split(" ", 1)[1]: int(words.split(" ", 1)[0]) for words in claims.split(", ")}
+    return "all %d" % counts["hold"] if set(counts) == {"hold"} else "%d of %d" % (counts.get("hold", 0), sum(counts.values()))
+
+
 def table(pools):
-    """As Markdown: the command that makes each recording, and what is pinned of it."""
-    lines = ["| recording | pixels | samples | reference | CPU, min:s | size | samples and reference, sha256 | claims |", "|---" * 8 + "|"]
+    """As Markdown: each recording, what it costs, and how many claims of verification hold."""
+    lines = ["| recording | pixels | samples | reference | CPU, min:s | size | claims that hold |", "|---" * 7 + "|"]
     for pool in pools.values():
         pin = pool.get("pinned", {})
-        found = ("%d:%02d" % divmod(pin["cpu_seconds"], 60), size_text(pin["bytes"]), "`%s`" % pin["samples_sha256"][:16], pin["claims"]) if pin else ["–"] * 4
-        lines.append("| `%s` | %dx%d | %s | %d | %s | %s | %s | %s |" % (pool["name"], *pool["size"], samples_of(pool), pool["reference"], *found))
+        found = ("%d:%02d" % divmod(pin["cpu_seconds"], 60), size_text(pin["bytes"]), held_of(pin["claims"])) if pin else ["–"] * 3
+        lines.append("| `%s` | %dx%d | %s | %d | %s | %s | %s |" % (pool["name"], *pool["size"], samples_of(pool), pool["reference"], *found))
     print("\n".join(lines))
 
 
