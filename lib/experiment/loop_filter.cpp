@@ -23,7 +23,7 @@ Result<void> check_loop_filter(const MethodChoice& sampler, const Needs& of_samp
   return fail(
       ErrorCode::kUsage,
       "{} with {}: the sampler has the filter in its loop, and this filter is an oracle: no "
-      "sampler may see the reference; leave one of the two out",
+      "sampler may use the reference; leave one of the two out",
       sampler.label(), filter.label());
 }
 

@@ -360,6 +360,12 @@ def test_replicates_of_an_image_claim_no_exactness(good, dump, tmp_path):
     assert "nothing is compared" in good(*arguments, "-o", "one", "--replicates", 1, "--recorded-order").out
 
 
+def test_a_filter_for_the_loop_of_a_sampler_without_one_is_an_error(run, dump, tmp_path):
+    run("replay", dump, "--sampler", "multiscale", "--filter", "box", "--spp", 4, "-o", "s.exr").failed_with(
+        2, "multiscale has no filter in its loop", "leave box out")
+    assert not (tmp_path / "s.exr").exists()
+
+
 def test_an_oracle_in_the_loop_of_a_sampler_is_refused_before_any_work(run, dump, tmp_path):
     words = ("with oracle_scale", "oracle", "leave one")
     beside = "filtered_halves{filter=beside}"

@@ -187,7 +187,15 @@ Result<Methods> choose_with_loop_filter(const std::string& sampler_name,
         filter_name.empty() ? samplers[0].ready.needs.loop_filter : filter_name;
     return name.empty() ? std::vector<std::string>{} : std::vector{name};
   };
-  return choose_beside({sampler_name}, in_loop, options);
+  SPOOL_ASSIGN(Methods methods, choose_beside({sampler_name}, in_loop, options));
+  const ChosenMethod<SamplerFunction>& sampler = methods.samplers[0];
+  if (!filter_name.empty() && !sampler.ready.needs.filter_in_loop) {
+    return fail(ErrorCode::kUsage,
+                "{} has no filter in its loop, as filtered_halves and cross_halves have: leave {} "
+                "out",
+                sampler.choice.label(), filter_name);
+  }
+  return methods;
 }
 
 }  // namespace spool::tools

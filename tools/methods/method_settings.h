@@ -53,7 +53,7 @@ Result<Methods> choose_methods(const std::vector<std::string>& sampler_names,
                                const std::vector<std::string>& filter_names,
                                const MethodOptions& options);
 // A sampler and the filter in its loop: the one called `filter_name`; where that is empty, the one
-// that the sampler names, if it names one.
+// that the sampler names, if it names one. A name for a sampler without a loop is an error.
 Result<Methods> choose_with_loop_filter(const std::string& sampler_name,
                                         const std::string& filter_name,
                                         const MethodOptions& options);

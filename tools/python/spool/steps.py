@@ -46,7 +46,7 @@ def replay(samples: Samples, sampler: str | Method, spp: float, *, seed: int = 0
 
     `samples`: a Dump, a path, a Recording, or an array [y][x][s][3]. `sampler`: a name as the program takes it
     ("multiscale:robust{alpha=0.3}"), or a function made by @spool.sampler; `options` are its own. `order`: in which a
-    pixel's samples are taken, "recorded" or "shuffled" by `seed`; the seed is the sampler's, too. `filter`: in the loop of a sampler that wants
+    pixel's samples are taken, "recorded" or "shuffled" by `seed`; the seed is the sampler's, too. `filter`: in the loop of a sampler that has
     one. `pool`: {rule: value} for samples that are no ordinary numbers.
     """
     recording = recording_of(samples)
