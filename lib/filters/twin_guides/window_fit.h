@@ -1,11 +1,11 @@
 // A ridge regression in the window of every piece, on one tile of a lattice, and its value at the
 // piece.
 //
-//   top(p) = max(limit, 1.25 n_p) exp(sum w t / sum w),          t: mean log luminance
-//   y_q    = C_q min(1, top / L(C_q))                            the robust limit, all channels
-//   alike u_q    = (1, (Y_q - Y_p) / 10, (X_q - X_p) / 10, raw_q - F_p) out    = coefficient 0 of
-//   the fit of y on u with weights w; `ridge` is added to every entry of
-//            the normal matrix's diagonal but the first
+//   y_q = C_q min(1, top / L(C_q))      the robust limit top of p (robust_limit.h), all channels
+//                                       alike
+//   u_q = (1, (Y_q - Y_p) / 10, (X_q - X_p) / 10, raw_q - F_p)
+//   out = coefficient 0 of the fit of y on u with weights w; `ridge` is added to every entry of
+//         the normal matrix's diagonal but the first
 //
 // Raw features of the neighbours stand against the clean ones of the piece: what lens and motion do
 // to a neighbour's features they did to its colour as well, and the fit takes it off. Colours are
