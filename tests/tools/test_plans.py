@@ -401,6 +401,12 @@ def test_a_limit_below_the_sweep_is_refused(run, dump, tmp_path):
         run("evaluate", *what, "-o", "out", "--threads", 1).failed_with(2, "--threads 1: the sweep goes up to 2: leave --threads out")
 
 
+def test_what_would_decide_is_named_once_over_threads(good, dump):
+    text = good("evaluate", dump, "--spp", 4, "--samplers", "uniform,multiscale", "--replicates", 2, "--sweep-threads", "1,2", "-o", "out").out
+    named = text.split("Would decide what is undecided, about: ")[1].split(".\n")[0].split("; ")
+    assert len(named) == 1 and text.count("undecided\n") == 2, text
+
+
 def test_threads_may_be_swept_over_and_repeats_give_spreads(good, dump, tmp_path):
     good("evaluate", dump, "--spp", 4, "--filters", "gaussian", "--replicates", 2, "--repeats", 3,
          "--sweep-threads", "1,2", "-o", "out")

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -86,13 +87,15 @@ bool has_import_remarks(const std::string& recording) {
 std::string would_decide_text(const ShownResults& shown) {
   constexpr std::size_t kMost = 3;
   std::vector<std::pair<double, std::string>> found;
+  std::set<std::string> named;
   for (const RankedResult& result : shown) {
     if (!result.relmse || !result.relmse->would_decide) continue;
     const WouldDecide& more = *result.relmse->would_decide;
-    found.emplace_back(
-        more.recordings ? 1e6 + more.count : more.count,
+    std::string text =
         fmt::format("{} {} for {} ({}, {:g} spp)", count_text(more.count), more.unit(),
-                    shown_method(result), shown_scene(result.place()), result.place().spp));
+                    shown_method(result), shown_scene(result.place()), result.place().spp);
+    if (!named.insert(text).second) continue;  // errors are the same for any number of threads
+    found.emplace_back(more.recordings ? 1e6 + more.count : more.count, std::move(text));
   }
   if (found.empty()) return "";
   std::ranges::stable_sort(found, {}, &std::pair<double, std::string>::first);
