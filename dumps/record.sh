@@ -48,7 +48,7 @@ spool=${SPOOL:-}
 for candidate in "$here/../build/release/tools/spool" "$here/../build/release/spool"; do
   [ -n "$spool" ] || [ ! -x "$candidate" ] || spool=$candidate
 done
-[ -n "$spool" ] || spool=$(command -v spool) || [ -n "$dry" ] || fail 3 "the program spool is not built: run cmake, or set SPOOL"
+[ -n "$spool" ] || spool=$(command -v spool) || [ -n "$dry" ] || fail 3 "the program spool is not built: tools/dev.sh build, or let SPOOL name it"
 # It packs at the end: said before hours of rendering.
 if [ -z "$dry" ] && { ! program=$(command -v "$spool") || [ ! -f "$program" ] || [ ! -x "$program" ]; }; then
   fail 3 "SPOOL=$spool is no program: set it to the built one"

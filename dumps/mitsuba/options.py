@@ -35,7 +35,7 @@ def parse(arguments, about):
                         help="where else the scene's meshes and textures may lie")
     parser.add_argument("--substitute", action="append", default=[], metavar="NAME=PLUGIN",
                         help="use PLUGIN where the scene names the plugin NAME, which Mitsuba 3 does not have")
-    parser.add_argument("--scene-sha256", metavar="HASH", help="refuse a scene whose files hash to something else")
+    parser.add_argument("--scene-sha256", metavar="HASH", help="an error where the files of the scene have another hash")
     parser.add_argument("--allow-losses", action="store_true", help="record although a medium, or part of one, gets lost")
     parser.add_argument("--chunk-lanes", type=int, default=1 << 20, help="samples traced at once (1048576)")
     parser.add_argument("--block", type=int, default=16, help="samples in a block of the file (16)")
@@ -43,8 +43,8 @@ def parse(arguments, about):
     parser.add_argument("--no-compress", action="store_true")
     parser.add_argument("--no-verify", action="store_true", help="do not test the samples and keep what was found")
     parser.add_argument("--force", action="store_true", help="replace an existing file")
-    parser.add_argument("--dry-run", action="store_true", help="say what the scene needs and what it will cost")
-    parser.add_argument("--plan", metavar="PLAN.toml", help="with --dry-run: say which layers no method of this plan reads")
+    parser.add_argument("--dry-run", action="store_true", help="print what the scene needs and what it will cost")
+    parser.add_argument("--plan", metavar="PLAN.toml", help="with --dry-run: name the layers no method of this plan reads")
     options = parser.parse_args(arguments)
     check(options)
     return options

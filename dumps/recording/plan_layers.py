@@ -18,7 +18,7 @@ def program():
     for path in (os.environ.get("SPOOL"), os.path.join(ROOT, "build", "release", "spool"), shutil.which("spool")):
         if path and os.access(path, os.X_OK):
             return path
-    raise io_failure("--plan: the program spool says what methods read, and is not built: run cmake, or set SPOOL")
+    raise io_failure("--plan needs the program spool, which is not built: tools/dev.sh build, or let SPOOL name it")
 
 
 def needs_of_methods(kind):

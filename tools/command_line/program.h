@@ -39,7 +39,7 @@ using Verb = std::function<Result<void>()>;
 struct Program {
   CLI::App app{
       "Spool: a laboratory for adaptive sampling and reconstruction in Monte Carlo "
-      "rendering.\nRecords every sample of an image once, replays samplers on the record, "
+      "rendering.\nRecords every sample of an image once, replays samplers on the recording, "
       "filters, and measures."};
   CommonOptions common;
   InfoOptions info;
