@@ -32,7 +32,8 @@ Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> rec
   if (q > 1 && !recording->has_film()) {
     return fail(ErrorCode::kData,
                 "{}: quarter-pixel pieces need film positions, which were not recorded: "
-                "take whole pixels (pieces_per_side = 1), or record again in shift mode",
+                "take whole pixels (--pieces 1, pieces_per_side = 1 in a plan), or record again in "
+                "shift mode",
                 recording->name());
   }
   if (options.holdout >= recording->spp()) {
@@ -69,7 +70,7 @@ Result<SamplePool> SamplePool::create(std::shared_ptr<const RecordedSamples> rec
                 "{}: holding out {} of {} samples leaves none to replay in any of the pixels' {} "
                 "pieces: hold out fewer{}",
                 samples.name(), options.holdout, samples.spp(), q * q,
-                q > 1 ? ", or take whole pixels (pieces_per_side = 1)" : "");
+                q > 1 ? ", or take whole pixels (--pieces 1, pieces_per_side = 1 in a plan)" : "");
   }
   return pool;
 }

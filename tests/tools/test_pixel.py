@@ -70,6 +70,8 @@ def test_what_is_wrong_is_named(run, scene):
     run("pixel", scene, "--at", "-1,2").failed_with(2, "X,Y")
     text = run("pixel", scene, "--at", "1,2", "--samples", "3")
     assert text.code == 0 and len(text.out.strip().splitlines()) == 5
+    run("pixel", scene, "--at", "1,1", "--sampler", "uniform").failed_with(2, "--sampler and --spp go together")
+    run("pixel", scene, "--at", "1,1", "--spp", 4).failed_with(2, "--sampler and --spp go together")
 
 
 @pytest.mark.parametrize("filter_", ["directional", "gaussian", "nl_means", "box", "welch", "wavelet_shrinkage"])

@@ -140,7 +140,8 @@ Result<ReplayMethods> replay_methods(const PixelOptions& options, Methods& metho
 
 Result<void> validate(const PixelOptions& options) {
   if (options.samples != 0) SPOOL_TRY(check_bounds("samples", options.samples, kSamples));
-  if (!options.sampler.empty()) SPOOL_TRY(check_bounds("spp", options.spp, kBudget));
+  if (!options.sampler.empty() && options.spp != 0.0)
+    SPOOL_TRY(check_bounds("spp", options.spp, kBudget));
   if (options.evaluation_seed) SPOOL_TRY(check_seed(*options.evaluation_seed));
   return validate(options.pool);
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kCpuDevice = 1, kFloat3 = 3;
 constexpr const char* kRemedy =
-    "install libopenimagedenoise (Debian), or pip install pyoidn and let SPOOL_OIDN name the "
+    "pip install pyoidn, for example, and let SPOOL_OIDN name the "
     "libOpenImageDenoise.so in it";
 
 std::vector<std::string> places() {
