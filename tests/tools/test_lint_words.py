@@ -42,3 +42,14 @@ def test_a_decision_that_is_not_on_the_page_is_found(tmp_path, before, number, t
     rule = "from pathlib import Path; from lint_rules import pages; print(*pages.missing_decisions([Path('a.h')]))"
     done = subprocess.run([sys.executable, "-c", rule], cwd=tmp_path, env={"PYTHONPATH": str(ROOT / "tools")}, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ("" if there else f"a.h:1: docs/decisions.md has no decision {number}")
+
+
+@pytest.mark.parametrize("name, there", [("kernels/scale_ladder", True), ("lib/kernels/scale_ladder.h", True), ("kernels/", True), ("kernels/film", False),
+                                         ("lib/kernels/film.h", False), ("tools/kernels/film", True)])
+def test_a_source_that_is_not_in_the_library_is_found(tmp_path, name, there):
+    (tmp_path / "lib/kernels").mkdir(parents=True)
+    (tmp_path / "lib/kernels/scale_ladder.h").write_text("")
+    (tmp_path / "README.md").write_text(f"both, with `{name}`\n")
+    rule = "from pathlib import Path; from lint_rules import pages; print(*pages.missing_sources([Path('README.md')]))"
+    done = subprocess.run([sys.executable, "-c", rule], cwd=tmp_path, env={"PYTHONPATH": str(ROOT / "tools")}, capture_output=True, text=True, check=True)
+    assert bool(done.stdout.strip()) != there

@@ -81,6 +81,17 @@ def missing_decisions(files):
                     yield f"{path}:{number}: docs/decisions.md has no decision {name}"
 
 
+def missing_sources(pages):
+    """`kernels/scale_ladder`, and with lib/ or an ending: a file or folder of the library."""
+    rooms = "|".join(sorted(path.name for path in Path("lib").iterdir() if path.is_dir()))
+    named = re.compile(rf"`(?:lib/)?((?:{rooms})/[\w/]+(?:\.\w+)?)`")
+    for page in pages:
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
+            for name in named.findall(line):
+                if not any(Path("lib").glob(name.rstrip("/"))) and not any(Path("lib").glob(name.rstrip("/") + ".*")):
+                    yield f"{page}:{number}: there is no lib/{name}"
+
+
 def check(files):
     pages = [path for path in files if path.suffix == ".md"]
     code = [path for path in files if path.suffix in {".h", ".cpp", ".py", ".sh", ".md", ".cmake"}
@@ -88,5 +99,6 @@ def check(files):
     yield from dead_links(pages)
     yield from unreached(pages)
     yield from missing_names(code, pages)
+    yield from missing_sources(pages)
     yield from decisions()
     yield from missing_decisions([*code, *(path for path in files if path.suffix in {".txt", ".toml", ".in"})])
