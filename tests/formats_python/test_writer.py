@@ -170,7 +170,7 @@ class Failing:
         def call(*arguments):
             self._after -= 1
             if self._after < 0:
-                raise OSError(self._number, os.strerror(self._number))
+                raise OSError(self._number, os.strerror(self._number)) if self._number else KeyboardInterrupt
             return real(*arguments)
         return call
 
@@ -186,6 +186,26 @@ def test_full_disk_leaves_whole_records(tmp_path, monkeypatch, after):
     assert caught.value.kind == "io" and "free space" in str(caught.value)
     sizes = [0, 64, 192, 448, 448 + 64 + 1536, 448 + 2 * 1600, 448 + 2 * 1600 + 64 + 256]
     assert os.listdir(tmp_path) == ["a.spool.partial"] and os.path.getsize(path.with_suffix(".spool.partial")) == sizes[after]
+
+
+@pytest.mark.parametrize("name", ["write", "fsync"])
+def test_an_interrupted_record_is_the_last(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(partial_file, "_SYNC_BYTES", 1)
+    with pytest.raises(spool.SpoolError, match="not writable after: KeyboardInterrupt: record again"):
+        with writer(tmp_path / "a.spool") as output:
+            monkeypatch.setattr(partial_file, "os", Failing(name, 0, None))
+            with pytest.raises(KeyboardInterrupt):
+                output.write_block(0, 0, 0, BLOCK)
+            monkeypatch.undo()
+            output.write_block(0, 0, 0, BLOCK)  # what follows would not stand where the index says
+    assert os.listdir(tmp_path) == ["a.spool.partial"]
+
+
+def test_an_interrupted_write_of_arrays_leaves_no_file_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr(partial_file, "os", Failing("write", 4, None))
+    with pytest.raises(KeyboardInterrupt):
+        spool.write(tmp_path / "a.spool", np.ones((8, 8, 4, 3), "f4"), block_spp=2)
+    assert not list(tmp_path.iterdir())
 
 
 def test_short_writes_continue(tmp_path, monkeypatch):

@@ -15,7 +15,7 @@ _SYNC_SECONDS = 30
 
 
 class PartialFile:
-    """size: bytes of whole records so far. After a failed write or fsync every further call fails."""
+    """size: bytes of whole records so far. After a write or fsync that failed, or that was interrupted, every further call fails."""
 
     _handle = None
 
@@ -55,19 +55,21 @@ class PartialFile:
         return SpoolError(kind, f"{self.name}: {text}")
 
     def append(self, record):
-        """One whole record; after a failure the file ends where the last whole record ended."""
+        """One whole record; after a failure, Ctrl-C too, the file ends where the last whole record ended, and takes no more."""
         self._alive()
         view = memoryview(record)
         try:
             while view:
                 written = os.write(self._handle, view)  # Python itself retries EINTR (PEP 475)
                 view = view[written:]
-        except OSError as reason:
-            self._failed = reason.strerror or str(reason)
+        except BaseException as reason:
+            self._fail(reason)
             try:
                 os.ftruncate(self._handle, self.size)
             except OSError:
                 pass
+            if not isinstance(reason, OSError):
+                raise
             advice = "free space and record again" if reason.errno == errno.ENOSPC else "check the disk"
             raise self.error("io", f"{self._failed} (byte {self.size}): {advice}, whole records are in "
                                    f"{self.name}.partial") from None
@@ -125,12 +127,17 @@ class PartialFile:
         if self._failed or self._handle is None:
             raise self.error("io", f"not writable after: {self._failed or 'close'}: record again")
 
+    def _fail(self, reason):
+        self._failed = getattr(reason, "strerror", None) or str(reason) or type(reason).__name__
+
     def _sync(self):
         try:
             os.fsync(self._handle)
-        except OSError as reason:
+        except BaseException as reason:
             # Never repeated: the kernel may have dropped the pages and report success the second time.
-            self._failed = reason.strerror or str(reason)
+            self._fail(reason)
+            if not isinstance(reason, OSError):  # the index lacks the record that was to be kept
+                raise
             raise self.error("io", f"fsync failed, {self._failed}: check the disk, then recover "
                                    f"{self.name}.partial") from None
         self._synced, self._synced_at = self.size, time.monotonic()

@@ -55,7 +55,7 @@ def write(path, /, radiance, *, meta=None, components=None, scope=None, dtypes=N
             _note_normals(path, arrays)
             _note_film(path, arrays)
             _write_all(writer, arrays, declared)
-        except (SpoolError, Warning) as error:
+        except BaseException as error:  # Ctrl-C, too
             if getattr(error, "kind", "usage") == "usage":  # of the arrays, which are all still there
                 writer.discard()
             raise
