@@ -115,3 +115,26 @@ def test_a_variance_that_is_none_is_refused_where_its_reference_judges(tmp_path,
     assert refused.value.kind == "usage" and not list(tmp_path.iterdir())
     reference[3, 2, 1] = np.nan
     spool.write(tmp_path / "a.spool", radiance, reference=reference, reference_variance=variance)
+
+
+@pytest.mark.parametrize("first", ["reference", "reference_variance"])
+def test_a_streaming_writer_refuses_what_no_verb_opens(tmp_path, first):
+    reference, variance = np.ones((8, 8, 3), "f4"), np.zeros((8, 8, 3), "f4")
+    variance[3, 2, 1], reference[0, 0] = np.nan, np.nan
+    arrays, path = {"reference": reference, "reference_variance": variance}, tmp_path / "a.spool"
+    last, = arrays.keys() - {first}
+    layers = {"radiance": ("f4", "RGB"), **dict.fromkeys(arrays, ("f4", "RGB", "pixel"))}
+    with spool.Writer(path, 8, 8, 2, layers) as writer:
+        writer.write_passes(0, {"radiance": np.ones((8, 8, 2, 3), "f4")})
+        writer.write_pixel(first, arrays[first])
+        with pytest.raises(spool.SpoolError, match="reference_variance of pixel 2,3 is nan"):
+            writer.write_pixel(last, arrays[last])
+        (variance if last == "reference_variance" else reference)[3, 2, 1] = np.nan if last == "reference" else 0
+        writer.write_pixel(last, arrays[last])
+    assert spool.check(path).ok
+
+
+def test_a_reference_without_a_finite_value_is_refused(tmp_path):
+    with pytest.raises(spool.SpoolError, match=r"a\.spool: reference: no value is finite"):
+        spool.write(tmp_path / "a.spool", np.ones((8, 8, 2, 3), "f4"), reference=np.full((8, 8, 3), np.inf))
+    assert not list(tmp_path.iterdir())

@@ -7,6 +7,7 @@ from .arguments import array, mapping, note_axes
 from .arguments import path as path_of
 from .channel import VOCABULARY
 from .error import SpoolError
+from .reference_check import check_judges
 from .writer import Writer
 
 _DTYPES = {"f2": "<f2", "f4": "<f4", "f8": "<f4", "u1": "<u4", "u2": "<u4", "u4": "<u4", "b1": "<u4"}
@@ -105,24 +106,11 @@ def _note_film(path, arrays):
 
 def check_reference(path, arrays):
     """Errors are debiased by its variance, and made too small where it is of the same samples."""
-    _check_variance(path, arrays)
     radiance, reference = arrays["radiance"], arrays.get("reference")
+    check_judges(path, reference, arrays.get("reference_variance"))
     if reference is not None and reference.shape == (*radiance.shape[:2], 3):
         _note_own_mean(path, radiance, reference)
         _note_other_picture(path, radiance, reference)
-
-
-def _check_variance(path, arrays):
-    variance, mean = arrays.get("reference_variance"), arrays.get("reference")
-    if variance is None or variance.ndim != 3:  # its shape is refused later
-        return
-    judges = np.ones(variance.shape, bool) if mean is None or mean.shape != variance.shape else np.isfinite(mean)
-    with np.errstate(invalid="ignore"):
-        wrong = np.argwhere(judges & ~((variance >= 0) & np.isfinite(variance)))
-    if len(wrong):
-        y, x, *_ = wrong[0]
-        raise SpoolError("usage", f"{path}: reference_variance of pixel {x},{y} is {variance[tuple(wrong[0])]}: "
-                                  "a variance is finite and at least 0")
 
 
 def is_mean_of(samples, reference):

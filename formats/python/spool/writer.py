@@ -16,6 +16,7 @@ from .error import SpoolError
 from .geometry import Geometry, groups_of
 from .partial_file import PartialFile
 from .record_bytes import footer, record
+from .reference_check import check_judges
 
 
 class Writer:
@@ -54,6 +55,7 @@ class Writer:
         self._dump_id = int.from_bytes(self.uuid.bytes[:8], "little")
         self._entries, self._seen, self._meta_count = [], set(), 0
         self._pending, self._next_pass = {name: [] for name in self.layers}, None
+        self._judges = {"reference": None, "reference_variance": None}  # as far as they are written
         self._file = PartialFile(path, force)
         head = np.zeros((), layout.FILE_HEADER)
         head["magic"], head["major"], head["minor"] = np.void(layout.MAGIC), layout.MAJOR, layout.MINOR
@@ -224,6 +226,11 @@ class Writer:
             raise self._error(f"layer {layer.name} has shape {array.shape}, not {leading + (len(layer.components),)}")
         if self._pending[layer.name]:
             raise self._error(f"layer {layer.name} is written twice")
+        if layer.name in self._judges:
+            judges = {**self._judges, layer.name: array.copy()}  # the caller may use the array again
+            if judges["reference"] is not None:  # which says where its variance counts
+                check_judges(self.path, *judges.values())
+            self._judges = judges
         self._pending[layer.name].append(array)
         members = [name for name, other in self.layers.items() if other.group == layer.group]
         if not all(self._pending[name] for name in members):  # the other layers of this group are still to come
