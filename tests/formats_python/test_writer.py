@@ -272,6 +272,11 @@ def test_arrays_that_do_not_fit_leave_no_file_behind(tmp_path):
     spool.write(tmp_path / "a.spool", radiance, albedo=radiance)
 
 
+@pytest.mark.parametrize("channels", [5, 0.5, object()])
+def test_channels_that_are_none_are_refused_in_one_line(tmp_path, channels):
+    usage(spool.Writer, tmp_path / "none.spool", 4, 4, 1, channels=channels)
+
+
 @pytest.mark.parametrize("layers", [{"radiance": ("zz", "RGB")}, {"radiance": ("f4", 5)}, {"radiance": ("f4", "RGB"), "x": ("f4", "")},
                                     {"radiance": ("f4", "RGB", "foo")}])
 def test_layers_that_are_none_are_refused_in_one_line(tmp_path, layers):

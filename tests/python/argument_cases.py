@@ -31,6 +31,7 @@ RADIANCE = random.random((4, 5, 8, 3), np.float32)
 IMAGE = random.random((4, 5, 3))
 COUNTS = np.full((4, 5), 2)
 RECORDING = spool.recording(RADIANCE, reference=IMAGE)
+SELECTION = spool.replay(RECORDING, "uniform", 2)
 FOLDER = tempfile.mkdtemp()                   # of the temporary folder that the test gives
 
 
@@ -93,6 +94,9 @@ FUNCTIONS = {
                                         "seed": 0, "order": "recorded", "holdout": 0, "pieces": 1, "pool": None, "views": (),
                                         "threads": 0, "whole": False, "clamp": "off"},
                     {"selection": ["None"], "spp": ["0"], "seed": ["0", "2^31"], "holdout": ["0"], "pool": ["None"], "threads": ["0"]}),
+    "reconstruct_selection": (spool.reconstruct, {"samples": RECORDING, "selection": SELECTION, "filter": "box", "spp": 0, "seed": 0,
+                                                  "order": "recorded", "holdout": 0, "pieces": 1},
+                              {"selection": ["None"], "spp": ["0"], "seed": ["0"], "holdout": ["0"]}),
     "metrics": (judge, {"image": IMAGE, "reference": IMAGE + 0.1, "metrics": None, "variance": None, "standard_errors": False,
                         "threads": 0, "trim": 0.01, "rel_eps": 0.01, "rel_scale": "mean", "perceptual": "none"},
                 {"metrics": ["None"], "variance": ["None"], "threads": ["0"], "trim": ["0"],
@@ -145,6 +149,8 @@ FUNCTIONS = {
                          "tile_size": 64, "block_spp": 8, "sample_order": "renderer", "meta": None, "uuid": None, "compress": False,
                          "force": True},
                {"path": ["x", "surrogate"], "channels": ["None"], "meta": ["None", "dict"], "uuid": ["None"]}),
+    "Writer_channels": (written, {"path": "w.spool", "width": 5, "height": 4, "spp": 8, "channels": DUMP.channels[:3], "force": True},
+                        {"path": ["x", "surrogate"]}),
     "page_save": (PAGE.save, {"path": "p.html", "force": True}, {"path": ["x"]}),
     "dump_read": (DUMP.read, {"layer": "radiance", "x0": 0, "y0": 0, "x1": 5, "y1": 4, "first": 0, "count": 8},
                   {"x0": ["0"], "y0": ["0"], "first": ["0"], "x1": ["None"], "y1": ["None"], "count": ["None"]}),

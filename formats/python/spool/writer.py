@@ -4,6 +4,7 @@ Memory: one block; `write_passes` keeps at most `block_spp` passes. One thread p
 """
 import os
 import uuid as uuid_module
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -269,6 +270,8 @@ class Writer:
 def _checked(channels):
     """Channels whose every value is one; any spelling of a dtype ("f4", np.float32) -> the little-endian dtype of the file."""
     result = []
+    if not isinstance(channels, Iterable):
+        raise wrong("channels", channels, "no list of Channels")
     for entry in channels:
         if not isinstance(entry, channel.Channel):
             raise wrong("channels", entry, "no Channel")

@@ -148,7 +148,7 @@ def _check_drawn(selection, **given):
     """Those of the selection hold, so another one would be ignored."""
     defaults = {"spp": 0, "seed": 0, "order": "recorded", "holdout": 0, "pieces": 1}
     for name, value in given.items():
-        if value not in (defaults[name], selection.drawn[name]):
+        if getattr(value, "ndim", 0) or value not in (defaults[name], selection.drawn[name]):
             raise wrong(name, value, f"not that of the selection, {selection.drawn[name]}: leave it out")
 
 
