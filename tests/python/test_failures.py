@@ -239,6 +239,26 @@ def test_what_is_no_file_is_neither_waited_for_nor_replaced(tmp_path):
     assert fifo.is_fifo() and len(list(tmp_path.iterdir())) == 1
 
 
+def test_a_call_without_a_place_to_work_in_is_a_spool_error(dump, tmp_path, monkeypatch):
+    plan, image = {"recordings": [dump], "filters": ["box"], "spp": [2]}, np.ones((4, 4, 3))
+    monkeypatch.setenv("SPOOL_PYTHON", str(tmp_path / "nowhere"))
+    with pytest.raises(spool.SpoolError, match="nowhere: No such file or directory: set SPOOL_PYTHON"):
+        spool.show(image)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "full"))
+    for call in (lambda: spool.synth("slanted_edge"), lambda: spool.evaluate(plan)):
+        with pytest.raises(spool.SpoolError, match="full: No such file or directory: .* TMPDIR"):
+            call()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    for call in (lambda: spool.write("a.spool", np.ones((2, 2, 2, 3))), lambda: spool.evaluate(plan), lambda: spool.evaluate(plan, output="results"),
+                 lambda: spool.results("results"), lambda: spool.show("a.exr")):
+        with pytest.raises(spool.SpoolError, match=": the working directory is gone: "):
+            call()
+
+
 def test_a_name_that_is_no_utf_8(path):
     other = os.path.join(path.parent, os.fsdecode(b"n\xff.spool"))
     os.rename(path, other)

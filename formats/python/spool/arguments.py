@@ -67,6 +67,13 @@ def path(name: str, value) -> str:
     return value
 
 
+def absolute(value: str) -> str:
+    try:
+        return os.path.abspath(value)
+    except OSError:  # it is looked up for a relative path alone
+        raise SpoolError("io", f"{value}: the working directory is gone: change to another, or give a path from the root") from None
+
+
 def mapping(name: str, value) -> dict[str, object]:
     if not isinstance(value, Mapping):
         raise wrong(name, value, "no dict")

@@ -3,6 +3,7 @@ import errno
 import os
 import time
 
+from .arguments import absolute
 from .error import SpoolError
 
 try:
@@ -20,7 +21,7 @@ class PartialFile:
     _handle = None
 
     def __init__(self, path, force):
-        self.path = os.path.abspath(os.fspath(path))
+        self.path = absolute(os.fspath(path))
         self.name = os.fspath(path)
         self.partial = self.path + ".partial"
         self.size = 0

@@ -8,7 +8,6 @@ import itertools
 import json
 import os
 import pickle
-import tempfile
 import uuid
 import warnings
 from collections.abc import Callable
@@ -16,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from . import _core
-from .arguments import flag, path, text, wrong
+from .arguments import absolute, flag, path, text, wrong
 from .cells import results_html
 from .error import SpoolError, open_regular
 from .executors import Plan, spread
@@ -24,6 +23,7 @@ from .own_methods import Method, method_text
 from .plan_text import plan_text
 from .recordings import Dump, Recording, recording_of
 from .save import write
+from .scratch import scratch_folder
 
 
 def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None = None, force: bool = False,
@@ -41,15 +41,15 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
     """
     if progress is not None and not callable(progress):
         raise wrong("progress", progress, "no function of (share, done, of)")
-    kept = None if output is None else os.path.abspath(text("output", path("output", output)))
+    kept = None if output is None else absolute(text("output", path("output", output)))
     own = () if executor is None else _own_methods(executor, plan)
     switches = flag("force", force), flag("exact_timing", exact_timing)
     if kept and isinstance(plan, (str, os.PathLike)) and not os.path.isdir(os.path.join(kept, "cells")):
         own_plan = os.path.join(kept, "plan.toml")  # beside cells it is one that an evaluation kept
         if os.path.exists(own_plan) and os.path.exists(plan) and os.path.samefile(own_plan, plan):
             raise SpoolError("usage", f"{own_plan}: output is the input: choose another folder")
-    with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
-        folder = None if kept else tempfile.TemporaryDirectory(prefix="spool-")
+    with scratch_folder() as scratch:
+        folder = None if kept else scratch_folder()
         place = kept or os.path.join(folder.name, "results")
         if isinstance(plan, dict) and not kept:
             plan = {"pictures": False, **plan}  # they would not be looked at
@@ -70,7 +70,7 @@ def evaluate(plan: dict | str | os.PathLike, *, output: str | os.PathLike | None
 
 def results(folder: str | os.PathLike) -> Results:
     """What `spool evaluate -o FOLDER` wrote, or evaluate(output=FOLDER)."""
-    return Results(os.path.abspath(path("folder", folder)))
+    return Results(absolute(path("folder", folder)))
 
 
 class Results:
@@ -156,14 +156,14 @@ def _text_of(plan, scratch):
                              "TOML file") from reason
         if len(written) > _LARGEST_PLAN:
             raise SpoolError("usage", f"{place}: is longer than {_LARGEST_PLAN} characters: it is no plan")
-        return written, place, os.path.dirname(os.path.abspath(place))
-    return plan_text(plan, lambda item: _path_of(item, scratch)), "plan", os.getcwd()
+        return written, place, os.path.dirname(absolute(place))
+    return plan_text(plan, lambda item: _path_of(item, scratch)), "plan", absolute(".")
 
 
 def _path_of(item, scratch):
     """Arrays are written to a file, which goes when the results are there."""
     if isinstance(item, (str, os.PathLike)):
-        return os.path.abspath(text("recordings", path("recordings", item)))
+        return absolute(text("recordings", path("recordings", item)))
     if isinstance(item, Dump):
         return text("recordings", item.source.path())
     held = recording_of(item)

@@ -7,13 +7,13 @@ import contextlib
 import os
 import pickle
 import secrets
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from . import _core
 from .error import SpoolError
 from .own_methods import method_text
+from .scratch import scratch_folder
 
 _SHORT = 2.0        # expected CPU seconds: shorter runs of one recording make one task
 _UNDER_WAY = 1000   # tasks that wait in the executor; the others wait here
@@ -108,7 +108,7 @@ def _do(plan: Plan, identity: dict[str, bytes], ids: list[str], threads: int) ->
             raise SpoolError("usage", f"{name}: a worker cannot import it ({reason}): put it into a module that workers find, too") from None
         if found != name:
             raise SpoolError("usage", f"{method!r} is another function in a worker: its module there has another text or other values")
-    with tempfile.TemporaryDirectory(prefix="spool-") as scratch:
+    with scratch_folder() as scratch:
         place = os.path.join(scratch, "results")
         os.makedirs(os.path.join(place, "cells"))
         for name, data in identity.items():

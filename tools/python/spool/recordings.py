@@ -4,7 +4,6 @@ from __future__ import annotations
 import functools
 import json
 import os
-import tempfile
 import weakref
 from typing import Union
 
@@ -17,6 +16,7 @@ from .cells import recording_html
 from .error import SpoolError
 from .record_layout import MAX_SPP
 from .save import check_reference
+from .scratch import scratch_folder
 
 FEATURES = {"albedo": "RGB", "normal": "XYZ", "depth": "Z"}
 
@@ -124,7 +124,7 @@ def synth(scene: str, *, width: int = 128, height: int = 128, spp: int = 64, see
     """An analytic scene, sampled, with its exact reference. Without a path the file goes with the Recording."""
     sizes = whole("width", width), whole("height", height), whole("spp", spp), whole("seed", seed, 64)
     image_size("synth", (height, width))
-    folder = None if path is not None else tempfile.TemporaryDirectory(prefix="spool-")
+    folder = None if path is not None else scratch_folder()
     place = os.path.join(folder.name, "synth.spool") if folder else text("path", path_of("path", path))
     _core.synth(text("scene", scene), *sizes, place, [f"{key}={option_text(value)}" for key, value in options.items()],
                 flag("compress", compress), flag("force", force))

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from . import _core
-from .arguments import flag, number, text, wrong
+from .arguments import absolute, flag, number, text, wrong
 from .arguments import path as path_of
 from .cells import name_of
 from .error import SpoolError
@@ -103,7 +103,10 @@ def _generated(planes):
     if script is None:
         raise SpoolError("io", "run.py: not beside the package: set SPOOL_REPORT to the folder that holds it")
     python = os.environ.get("SPOOL_PYTHON") or sys.executable or "python3"
-    done = subprocess.run([python, script, "show_page"], input=planes, capture_output=True, check=False)
+    try:
+        done = subprocess.run([python, script, "show_page"], input=planes, capture_output=True, check=False)
+    except OSError as reason:
+        raise SpoolError("io", f"{python}: {reason.strerror}: set SPOOL_PYTHON to a Python 3 that has numpy") from None
     if done.returncode != 0:
         said = done.stderr.decode("utf-8", "replace").strip().splitlines() or [f"{python} ended with code {done.returncode}"]
         raise SpoolError.of_code(done.returncode if 1 <= done.returncode <= 4 else 2, f"show: {said[-1]}")
@@ -136,7 +139,7 @@ def _array_of(image, name, files=None):
     if isinstance(image, (Selection, Reconstruction)):
         image = image.image
     elif isinstance(image, (str, os.PathLike)):
-        path = os.path.abspath(text(name, os.fspath(image)))
+        path = absolute(text(name, os.fspath(image)))
         image, remark, windows = _core.read_image(path)
         if files is not None:
             files.append((path, windows))
