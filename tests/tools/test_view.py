@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from served_view import Served, needs_assets, small_scene
+import spool
 from spool import exr
 
 pytestmark = needs_assets
@@ -193,6 +194,23 @@ def test_a_replay_of_results_is_judged_as_they_are(good, scene, tmp_path, option
         assert offered == 32 - {"holdout": 12, "holdout_pair": 16, "leave_selected_out": 3}.get(options[1], 0)
     finally:
         assert server.end()[0] == 130
+
+
+@pytest.mark.parametrize("options, why", [(["--pieces", "2"], "in pieces of pixels"), (["--decision-split"], "by split decisions"), ([], "no file ")])
+def test_a_recording_that_is_not_replayed_is_named_with_its_reason(good, scene, tmp_path, options, why):
+    film = np.random.default_rng(1).random((16, 24, 32, 2), "f4")
+    with spool.open(scene) as dump:
+        spool.write(tmp_path / "own.spool", dump.read("radiance"), film=film, reference=dump.pixel("reference"))
+    good("evaluate", tmp_path / "own.spool", "--filters", "box", "--spp", "4", "--replicates", "1", *options, "-o", tmp_path / "r", "-q")
+    if not options:
+        (tmp_path / "own.spool").unlink()
+    server = Served(tmp_path / "r")
+    try:
+        choices = server.json("choices")
+        assert not choices["recordings"] and choices["left_out"].startswith(f"not replayed: own ({why}")
+    finally:
+        code, said = server.end()
+        assert code == 130 and choices["left_out"] in said
 
 
 def test_the_page_and_the_program_call_a_recording_by_one_name_without_marks_of_direction(good, scene, tmp_path):

@@ -39,7 +39,19 @@ def facts(folder):
     read_results(folder / "results.csv")  # the error where it is no folder of results
     manifest = read_manifest(folder)
     order, paths = replay_order(manifest), recording_paths(manifest)
-    found = [{"path": paths[Path(dump).name], "label": label} for dump, label in read_statistics(folder).labels().items()
-             if Path(dump).name in paths and Path(paths[Path(dump).name]).is_file()]
-    return {"recordings": found if order is not None else [],
-            "seed": order if isinstance(order, int) else None}
+    found, left_out = [], []
+    for dump, label in read_statistics(folder).labels().items():
+        path = paths.get(Path(dump).name)
+        if order is None:
+            left_out.append(f"{label} ({_why_without_order(manifest.get('plan'))})")
+        elif path is None or not Path(path).is_file():
+            left_out.append(f"{label} (no file {path or dump})")
+        else:
+            found.append({"path": path, "label": label})
+    return {"recordings": found, "seed": order if isinstance(order, int) else None, "left_out": left_out}
+
+
+def _why_without_order(plan):
+    plan = plan if isinstance(plan, dict) else {}
+    return ("in pieces of pixels" if plan.get("pieces_per_side", 1) != 1 else "by split decisions" if plan.get("decision_split")
+            else "its order of samples is not known")

@@ -91,15 +91,16 @@ Result<LiveChoices> choices_of_results(const fs::path& folder, bool allow_comman
     choices.order.order = PoolOrder::kShuffled;
     choices.order.seed = mix(facts["seed"].get<std::uint64_t>(), std::uint64_t{0});
   }
+  auto left_out = facts["left_out"].get<std::vector<std::string>>();
   if (std::error_code status; !fs::exists(folder / "plan.toml", status)) {
     choices.samplers = every_method(samplers());
     choices.filters = every_method(filters());
     choices.left_out = "no plan.toml in the folder: replayed are the program's methods";
+    if (!left_out.empty()) choices.left_out += "; " + left_out_text(left_out);
     return choices;
   }
   SPOOL_ASSIGN(const Plan plan,
                read_plan(folder / "plan.toml", {known_samplers(), known_filters(), true}));
-  std::vector<std::string> left_out;
   choices.samplers = replayed(known_samplers(), plan.samplers, allow_commands, left_out);
   choices.filters = replayed(known_filters(), plan.filters, allow_commands, left_out);
   if (plan.experiment.reference == ReferenceKind::kCrossfit)
