@@ -68,10 +68,11 @@ def test_what_is_wrong_is_named(run, scene):
     run("pixel", scene, "--at", "16,0").failed_with(2, "15,15")
     run("pixel", scene, "--at", "1").failed_with(2, "X,Y")
     run("pixel", scene, "--at", "-1,2").failed_with(2, "X,Y")
+    for alone in (("--sampler", "uniform"), ("--spp", "4"), ("--spp", "0")):
+        run("pixel", scene, "--at", "1,2", *alone).failed_with(2, "--sampler and --spp go together")
+    run("pixel", scene, "--at", "1,2", "--sampler", "uniform", "--spp", "0").failed_with(2, "spp: 0 is outside 0.001 .. 65536")
     text = run("pixel", scene, "--at", "1,2", "--samples", "3")
     assert text.code == 0 and len(text.out.strip().splitlines()) == 5
-    run("pixel", scene, "--at", "1,1", "--sampler", "uniform").failed_with(2, "--sampler and --spp go together")
-    run("pixel", scene, "--at", "1,1", "--spp", 4).failed_with(2, "--sampler and --spp go together")
 
 
 @pytest.mark.parametrize("filter_", ["directional", "gaussian", "nl_means", "box", "welch", "wavelet_shrinkage"])

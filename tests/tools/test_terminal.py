@@ -173,3 +173,10 @@ def test_info_is_at_most_ten_lines(tmp_path):
     assert len(lines) <= 10 and max(map(len, lines)) <= 80
     assert "16 claims hold, 2 not known" in "\n".join(lines)
     assert len(shown(80, "info", "s.spool", "--all", folder=tmp_path)) > 25
+
+
+def test_all_of_info_and_a_pixel_fit_80_columns():
+    chess = os.path.join(os.path.dirname(__file__), "..", "..", "dumps", "tiny", "chess.spool")
+    for words in (["info", "--all", chess], ["pixel", chess, "--at", "20,30", "--sampler", "uniform", "--spp", "8", "--filter", "directional"]):
+        lines = [line for line in shown(80, *words) if not line.startswith("file")]
+        assert len(lines) > 20 and [line for line in lines if len(line) > 80] == []

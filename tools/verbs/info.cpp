@@ -66,7 +66,8 @@ ordered_json describe(const format::SpoolReader& reader, std::uintmax_t bytes,
   return out;
 }
 
-// A value of the remarks in one line, or empty: an object as "name value, name value".
+// A value of the remarks in one line, or empty: an object as "name value, name value", a list as
+// "value, value".
 // `brief`: without the names of names and without sums.
 std::string remark(const ordered_json& info, const char* key, bool brief = false) {
   const auto found = info["meta"].find(key);
@@ -81,6 +82,9 @@ std::string remark(const ordered_json& info, const char* key, bool brief = false
       text +=
           (text.empty() ? "" : ", ") + (brief && name == "name" ? "" : name + " ") + plain(value);
     }
+  } else if (found->is_array()) {
+    for (const ordered_json& value : *found)
+      text += (text.empty() ? "" : ", ") + plain(value);
   } else {
     text = plain(*found);
   }

@@ -39,12 +39,13 @@ Result<Place> parse_place(const std::string& text, const SamplePool& pool) {
 void print_pixel(const PixelAnswer& pixel) {
   const std::string taken =
       pixel.taken ? fmt::format(", {} took {}", pixel.sampler, *pixel.taken) : "";
-  print_line(fmt::format("pixel {},{}: {} to take{}", pixel.x, pixel.y,
+  print_line(fmt::format("pixel {},{}: {} to take{}; mean of luminance", pixel.x, pixel.y,
                          counted(pixel.capacity, "sample"), taken));
   std::vector<std::vector<std::string>> rows = {
-      {"take", "recorded", "R", "G", "B", "mean luminance", "95 % from", "to"}};
+      {"take", "recorded", "R", "G", "B", "mean", "95 % from", "to"}};
+  // In so few digits that lines have at most 80 characters; --json has all.
   const auto number = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("-");
+    return std::isfinite(value) ? fmt::format("{:.4g}", value) : std::string("-");
   };
   for (std::size_t i = 0; i < pixel.samples.size(); ++i) {
     const auto& [r, g, b] = pixel.samples[i];
@@ -58,10 +59,11 @@ void print_shape(const FootprintShape& shape) {
   std::string widths;
   for (const auto& [beta, width] : shape.widths)
     widths += fmt::format("{} {:.4g} at {:.4g} degrees", widths.empty() ? "" : ";", width, beta);
-  print_line(fmt::format(
+  const std::string line = fmt::format(
       "footprint: size {}, direction {}{}{}", shape.size,
       std::isnan(shape.direction) ? "none" : fmt::format("{:.4g} degrees", shape.direction),
-      widths.empty() ? "" : ", widths", widths));
+      widths.empty() ? "" : ", widths", widths);
+  print(wrapped(line, line_width(), 2) + "\n");
 }
 
 // The largest weights, and how they lie around the pixel.
@@ -96,7 +98,7 @@ void print_footprint(const PixelAnswer& pixel) {
 // How many samples a sampler took of each pixel, and what a filter made of them.
 Result<void> add_replay(const PixelOptions& options, const ReplayMethods& methods,
                         const SamplePool& pool, std::vector<PixelAnswer>& pixels) {
-  SPOOL_ASSIGN(const SamplingResult sampled, sample_once(methods, pool, options.spp));
+  SPOOL_ASSIGN(const SamplingResult sampled, sample_once(methods, pool, *options.spp));
   std::vector<std::pair<int, int>> places;
   for (PixelAnswer& pixel : pixels) {
     places.emplace_back(pixel.x, pixel.y);
@@ -130,9 +132,6 @@ Result<ReplayMethods> replay_methods(const PixelOptions& options, Methods& metho
     return fail(ErrorCode::kUsage, "--filter {}: say with --sampler and --spp which samples",
                 options.filter);
   }
-  if (options.sampler.empty() != (options.spp == 0.0)) {
-    return fail(ErrorCode::kUsage, "--sampler and --spp go together: give both, or none");
-  }
   return replay;
 }
 
@@ -140,8 +139,9 @@ Result<ReplayMethods> replay_methods(const PixelOptions& options, Methods& metho
 
 Result<void> validate(const PixelOptions& options) {
   if (options.samples != 0) SPOOL_TRY(check_bounds("samples", options.samples, kSamples));
-  if (!options.sampler.empty() && options.spp != 0.0)
-    SPOOL_TRY(check_bounds("spp", options.spp, kBudget));
+  if (options.sampler.empty() == options.spp.has_value())
+    return fail(ErrorCode::kUsage, "--sampler and --spp go together: give both, or none");
+  if (options.spp) SPOOL_TRY(check_bounds("spp", *options.spp, kBudget));
   if (options.evaluation_seed) SPOOL_TRY(check_seed(*options.evaluation_seed));
   return validate(options.pool);
 }

@@ -23,7 +23,7 @@ struct PixelOptions {
   // Of an evaluation: the order in which its replicate 0 takes samples.
   std::optional<std::uint64_t> evaluation_seed;
   std::string sampler, filter;  // empty: none
-  double spp = 0.0;             // of the sampler
+  std::optional<double> spp;    // of the sampler
   MethodOptions method;
 };
 
