@@ -298,6 +298,31 @@ for _ in range(2):
     assert (done.returncode, done.stdout, done.stderr) == (0, "end\nend\n", "")
 
 
+def test_a_child_of_a_fork_waits_for_no_work_of_its_parent():
+    script = """
+import os, sys, threading, time, spool
+inside, end = threading.Event(), threading.Event()
+@spool.filter
+def waits(statistics):
+    inside.set()
+    end.wait()
+    return statistics.mean
+dump = spool.example()
+work = threading.Thread(target=lambda: spool.reconstruct(dump, None, waits))
+work.start()
+inside.wait()
+if os.fork() == 0:
+    begin = time.monotonic()
+    spool._core.end_all_work()  # as at its exit, where work gets five seconds
+    os._exit(time.monotonic() - begin > 4)
+_, code = os.wait()
+end.set()
+work.join()
+sys.exit(code != 0)
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
+
+
 def fails(number):
     return spool.replay(np.ones((4, 4, 2, 3)), "uniform", number)
 

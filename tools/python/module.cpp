@@ -43,6 +43,7 @@ NB_MODULE(_core, module) {
   module.def("call_methods_through", &spool::python::call_methods_through);
   module.def("check_called_options", &spool::python::check_called_options);
   module.def("end_all_work", &spool::python::end_all_work);
+  module.def("forget_calls", &spool::python::forget_calls);
   module.def("crc32", &crc32);
   spool::python::bind_source(module);
   spool::python::bind_replay(module);

@@ -182,6 +182,10 @@ void end_all_work() {
   }
 }
 
+void forget_calls() {
+  calls().clear();
+}
+
 void run_watched(const std::function<Result<void>(Watch&)>& work, const nb::object& progress,
                  int threads) {
   if (const auto bounds = tools::check_bounds("threads", threads, tools::kThreads); !bounds)

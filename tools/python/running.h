@@ -79,6 +79,9 @@ bool wait_for(Job& job, std::chrono::milliseconds time);
 // Ends all work and waits for it, some seconds at most; from the interpreter's `atexit`.
 void end_all_work();
 
+// In the child of a fork, which has none of the threads that made them.
+void forget_calls();
+
 // Runs `work` with at most `threads` threads (0: all). `progress`: None, or called with the share
 // done, results done and results in all, a few times a second. Raises what Python wants raised
 // meanwhile (KeyboardInterrupt), else the error of the work.

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import atexit
 import inspect
+import os
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -223,4 +224,5 @@ def _lambdas(moments):
 
 
 _core.call_methods_through(_look_up)
+os.register_at_fork(after_in_child=_core.forget_calls)
 atexit.register(_core.end_all_work)  # no thread is to be at work when the interpreter goes
