@@ -292,6 +292,10 @@ def test_results_that_somebody_changed(tmp_path, rows, statistics, words):
     if rows == "":
         with pytest.raises(spool.SpoolError, match=words):
             assert found.claims
+        for written in (statistics, '{"conditions": 1}', '{"conditions": [{}]}', '{"claims": [1]}'):
+            (tmp_path / "statistics.json").write_text(written)
+            with pytest.raises(spool.SpoolError, match="statistics.json: (is|holds|lacks) .*: evaluate it again"):
+                spool.results(tmp_path)._repr_html_()
 
 
 def test_no_plan_is_replaced_by_its_own_results(path, tmp_path):

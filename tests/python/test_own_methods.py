@@ -104,6 +104,14 @@ def test_features_have_variances(dump, layers):
     assert (told[0].feature_variances["albedo"] <= 1.001 * (1e-6 * told[0].features["albedo"] + 1e-9) ** 2).all()
 
 
+def test_what_holds_arrays_is_equal_to_itself_alone(dump):
+    told = []
+    keeps = spool.filter(lambda statistics: told.append(statistics) or statistics.mean)
+    made = [spool.reconstruct(dump, None, keeps, whole=True) for _ in range(2)]
+    for first, second in (made, told):
+        assert first == first and first != second and len({first, second, first}) == 2 and second in [first, second]
+
+
 def test_the_stage_of_every_filter_stands_around_it_too(dump, layers):
     layers["radiance"][7, 7, 2] = 500.0
     bright = spool.recording(layers["radiance"])

@@ -103,7 +103,10 @@ class Results:
         return f"<spool.Results: {len(self.rows)} rows, {len(self.means)} means>"
 
     def _repr_html_(self):
-        return results_html(self.rows, self.statistics)
+        try:
+            return results_html(self.rows, self.statistics)
+        except (LookupError, TypeError, AttributeError, ValueError) as reason:
+            raise SpoolError("data", f"{os.path.join(self.folder, _FILES[1])}: lacks what is shown of it ({reason!r}): evaluate it again") from reason
 
     @property
     def means(self) -> list[dict]:

@@ -19,7 +19,7 @@ _OF_THE_STAGE = {"filter": ("clamp", "residual", "energy"), "sampler": ()}  # op
 _MADE = weakref.WeakKeyDictionary()  # the names of a method, by which the library finds it while a call holds it
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays have no equality that is one value
 class Statistics:
     """What a method gets of the samples taken so far. Arrays are of pieces: pixels, unless `pieces=2`."""
 

@@ -102,7 +102,7 @@ class Selection:
         return self._views
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays have no equality that is one value
 class Reconstruction:
     """What a filter returns: the image, and what else it has."""
 
