@@ -252,6 +252,14 @@ def test_what_a_selection_was_drawn_by_is_not_changed_behind_it(dump):
             spool.reconstruct(dump, selection, "box", **wrong)
 
 
+def test_the_pool_rules_of_a_selection_hold_for_its_image(dump):
+    limited, free = (spool.replay(dump, "uniform", 4, pool=pool) for pool in ({"firefly_limit": 0.5}, None))
+    assert limited.image.max() <= 0.5 < free.image.max()
+    assert np.array_equal(spool.reconstruct(dump, limited, "box"), limited.image)
+    for chosen, pool, image in ((limited, {}, free), (free, {"firefly_limit": 0.5}, limited)):
+        assert np.array_equal(spool.reconstruct(dump, chosen, "box", pool=pool), image.image)
+
+
 def test_a_copy_of_results_outlives_them(dump):
     made = spool.evaluate({"recordings": [dump], "spp": [4], "replicates": 1, "samplers": ["uniform"], "filters": ["box"]})
     rows = len(made.rows)

@@ -59,14 +59,14 @@ def replay(samples: Samples, sampler: str | Method, spp: float, *, seed: int = 0
         return _core.replay(recording.source, *before, ",".join(wanted), limit)
 
     drawn = {"spp": spp, "seed": seed, "order": order, "holdout": holdout, "pieces": pieces}
-    return Selection(recording, run, texts("views", () if views is None else views), drawn)
+    return Selection(recording, run, texts("views", () if views is None else views), drawn, settings("", {}, pool))
 
 
 class Selection:
     """How many samples of each pixel (piece) a sampler took, and what it knew."""
 
-    def __init__(self, recording, run, views, drawn):
-        self.recording, self._run, self.drawn = recording, run, drawn  # by what settings of replay
+    def __init__(self, recording, run, views, drawn, rules):
+        self.recording, self._run, self.drawn, self.rules = recording, run, drawn, rules  # by what settings of replay, and of its pool
         self.replayed = run(views)
         self._views = self.replayed.views() if views else None
 
@@ -127,13 +127,15 @@ def reconstruct(samples: Samples, selection: Selection | np.ndarray | None, filt
     """Makes an image of a selection -> [y][x][3] float64, or with `whole` a Reconstruction.
 
     `selection`: what replay returned, an array of counts [y][x], or None for the first `spp` samples of every pixel (0:
-    all). `filter`: a name as the program takes it, or a function made by @spool.filter; `options` are its own.
+    all). `filter`: a name as the program takes it, or a function made by @spool.filter; `options` are its own. What
+    replay returned keeps its order and pieces, and its pool rules unless `pool` gives others.
     """
-    recording = recording_of(samples)
+    recording, rules = recording_of(samples), settings("", {}, pool)
     if isinstance(selection, Selection):
         _check_drawn(selection, spp=spp, seed=seed, order=order, holdout=holdout, pieces=pieces)
+        rules = selection.rules if pool is None else rules
     chosen = (selection.replayed, None) if isinstance(selection, Selection) else (None, _counts(selection))
-    arguments = (*chosen, whole_number("spp", spp), text("preset", preset), settings("filter", options, pool),
+    arguments = (*chosen, whole_number("spp", spp), text("preset", preset), settings("filter", options, None) + rules,
                  *_pool(order, seed, holdout, pieces), ",".join(texts("views", views)), whole_number("threads", threads))
     everything = flag("whole", whole)
     made = _core.reconstruct(recording.source, method_text("filter", filter), *arguments)
