@@ -1,6 +1,7 @@
 """Images as the numpy module reads them: a file that names a chunk twice has lines that nothing filled."""
 import os
 import struct
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -41,6 +42,21 @@ def test_each_chunk_is_there_once(tmp_path, first, second):
     with pytest.raises(spool.SpoolError, match=r"a\.exr: .*twice") as caught:
         spool.exr.read(path)
     assert caught.value.kind == "invalid" and "\n" not in str(caught.value)
+
+
+def test_a_file_too_short_for_its_chunks_takes_no_memory(tmp_path):
+    path, height = tmp_path / "a.exr", 1 << 27
+    spool.exr.write(path, {"Y": np.zeros((1, 1), "f2")})
+    window = b"box2i\0" + struct.pack("<i", 16)
+    data = path.read_bytes().replace(window + bytes(16), window + struct.pack("<4i", 0, 0, 0, height - 1))
+    path.write_bytes(data + bytes(2 * height // 1032))
+    tracemalloc.start()
+    try:
+        with pytest.raises(spool.SpoolError, match="file too short"):
+            spool.exr.read(path)
+        assert tracemalloc.get_traced_memory()[1] < 4 * path.stat().st_size
+    finally:
+        tracemalloc.stop()
 
 
 def test_halves_of_either_byte_order_stay_halves(tmp_path):

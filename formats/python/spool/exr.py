@@ -117,12 +117,13 @@ def _parse(data):
     line_bytes = width * sum(dtype.itemsize for _, dtype in channels)
     if width < 1 or height < 1 or width * height > MAX_PIXELS:
         raise ValueError(f"size {width} x {height}")
-    if not channels or line_bytes * height > len(data) * DEFLATE_LIMIT:
-        raise ValueError("file too short for its size")
     lines = LINES_PER_CHUNK[compression]
+    chunks = -(-height // lines)
+    if not channels or line_bytes * height > len(data) * DEFLATE_LIMIT or 16 * chunks > len(data):  # each has a place and a head
+        raise ValueError("file too short for its size")
     raw = np.empty((height, line_bytes), np.uint8)
     missing = set(range(0, height, lines))
-    for offset in struct.unpack_from(f"<{-(-height // lines)}Q", data, at):
+    for offset in struct.unpack_from(f"<{chunks}Q", data, at):
         y, size = struct.unpack_from("<ii", data, offset)
         y -= y0
         if not 0 <= y < height or y % lines or size < 0 or offset + 8 + size > len(data):
