@@ -273,8 +273,9 @@ def test_a_recording_offers_what_the_user_names_beside_the_methods_of_the_progra
 def test_a_folder_without_its_plan_is_served_with_the_methods_of_the_program(good, scene, tmp_path):
     good("evaluate", scene, "--filters", "box,mine=directional", "--spp", "4", "--replicates", "1", "-o", tmp_path / "r", "-q")
     (tmp_path / "r" / "plan.toml").unlink()
-    server = Served(tmp_path / "r")
+    server = Served(f"{tmp_path}/r/")
     try:
+        assert b"<title>Spool: r</title>" in server.ask(server.root + "live").content
         choices = server.json("choices")
         assert {"uniform", "multiscale"} <= set(choices["samplers"]) and "mine" not in choices["filters"]
     finally:

@@ -133,11 +133,17 @@ Answer page_answer(const std::string& html) {
   return {200, "text/html; charset=utf-8", html};
 }
 
+// "results/" and "." have a name, too.
+std::string title_of(const fs::path& target) {
+  std::error_code status;
+  const fs::path whole = fs::absolute(target, status).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
 // The pages: of a recording the live one; of results the report, and the live one beside it.
 Result<void> add_pages(const ViewOptions& options, bool of_results, Answers& answers) {
-  const std::string title = options.target.filename().string();
   SPOOL_ASSIGN(const std::string live,
-               run_generator("live_page", {"--title=" + title}, "", kNeeds));
+               run_generator("live_page", {"--title=" + title_of(options.target)}, "", kNeeds));
   answers["live"] = [live](const Query&) { return page_answer(live); };
   answers[""] = answers["live"];
   if (!of_results) return {};
