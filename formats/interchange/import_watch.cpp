@@ -17,6 +17,7 @@ ImportWatch::ImportWatch(const DumpPlan& plan)
                std::any_of(plan.layers.begin(), plan.layers.end(), shares_places)),
       ranges_(uint64_t{plan.width} * plan.height),
       reference_(plan.width, plan.height),
+      judges_(plan.width, plan.height),
       shuffled_(plan.shuffled) {}
 
 void ImportWatch::add(const format::PixelRect& rect, uint32_t begin, uint32_t count,
@@ -28,9 +29,12 @@ void ImportWatch::add(const format::PixelRect& rect, uint32_t begin, uint32_t co
     const auto planes = block.first(layer.array.components * plane);
     block = block.subspan(planes.size());
     if (layer.scope == format::Scope::kPixel) {
-      if (layer.name == "reference" && layer.array.components == 3 &&
-          type != format::DataType::kUint32)
+      if (layer.array.components != 3 || type == format::DataType::kUint32) continue;
+      if (layer.name == "reference") {
         reference_.add_reference(rect, type, planes);
+        judges_.add_reference(rect, type, planes);
+      }
+      if (layer.name == "reference_variance") judges_.add_variance(rect, type, planes);
       continue;
     }
     if (layer.name == "radiance" && layer.array.components == 3) {
@@ -44,6 +48,7 @@ void ImportWatch::add(const format::PixelRect& rect, uint32_t begin, uint32_t co
 Result<void> ImportWatch::judge(const std::string& source, format::SampleOrder claim,
                                 format::SpoolWriter& writer,
                                 std::vector<std::string>& notes) const {
+  SPOOL_TRY(judges_.judge(source));
   std::vector<std::string> remarks = ranges_.remarks();
   if (std::string other = reference_.remark(); !other.empty()) remarks.push_back(std::move(other));
   if (const std::string objection = samples_.objection(); !objection.empty()) {

@@ -10,6 +10,7 @@
 #include "formats/dump_header.h"
 #include "formats/interchange/dump_plan.h"
 #include "formats/interchange/feature_ranges.h"
+#include "formats/interchange/judge_watch.h"
 #include "formats/interchange/reference_watch.h"
 #include "formats/sample_watch.h"
 #include "formats/spool_writer.h"
@@ -26,9 +27,9 @@ class ImportWatch {
   void add(const format::PixelRect& rect, uint32_t begin, uint32_t count, format::DataType type,
            std::span<const ForeignLayer> layers, std::span<const std::byte> block);
 
-  // kData where the recording claims that its samples are in no meaningful order and they are not,
-  // unless the importer shuffled them; else what was noticed is added to the notes and kept in
-  // `meta.import_remarks`.
+  // kData where no verb would open the recording, or it claims that its samples are in no
+  // meaningful order and they are not, unless the importer shuffled them; else what was noticed is
+  // added to the notes and kept in `meta.import_remarks`.
   Result<void> judge(const std::string& source, format::SampleOrder claim,
                      format::SpoolWriter& writer, std::vector<std::string>& notes) const;
 
@@ -36,6 +37,7 @@ class ImportWatch {
   format::SampleWatch samples_;
   FeatureRanges ranges_;
   ReferenceWatch reference_;
+  JudgeWatch judges_;
   bool shuffled_;
 };
 

@@ -176,6 +176,25 @@ def test_an_albedo_that_is_not_finite_is_not_above_1(tmp_path):
     assert code == 0 and "not finite" in message and "above 1" not in message, message
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_judges_with_which_no_verb_opens_a_recording_are_refused(tmp_path, value):
+    reference, variance = RNG.random(SHAPE[:2] + (3,)).astype("f4"), np.zeros(SHAPE[:2] + (3,), "f4")
+    variance[2, 1, 1] = value
+    light = RNG.random(SHAPE + (3,)).astype("f4")
+
+    def packed(**judges):
+        np.savez(tmp_path / "a.npz", radiance=light, **judges)
+        return run_jobs(("import npz", tmp_path / "a.npz", tmp_path / "a.spool", "layout=HWSC", "force"))[0]
+
+    code, message = packed(reference=reference, reference_variance=variance)
+    assert code == 1 and "a.npz: reference_variance of pixel 1,2 is not finite" in message, message
+    code, message = packed(reference=reference + np.float32(value))
+    assert code == 1 and "a.npz: reference: no value is finite" in message, message
+    assert not (tmp_path / "a.spool").exists()
+    reference[2, 1, 1] = np.nan                  # which judges nothing there
+    assert packed(reference=reference, reference_variance=variance)[0] == 0
+
+
 # A picture without symmetry, 64 x 64 pixels and 8 samples, and a reference of other samples.
 PICTURE = np.random.default_rng(38).gamma(1, 1, (8, 8, 1, 3)).repeat(8, 0).repeat(8, 1) * np.linspace(0.2, 1, 64)[:, None, None, None]
 NOISY = (PICTURE * np.random.default_rng(39).exponential(1, (64, 64, 8, 3))).astype("f4")
