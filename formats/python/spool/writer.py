@@ -56,7 +56,7 @@ class Writer:
         self._dump_id = int.from_bytes(self.uuid.bytes[:8], "little")
         self._entries, self._seen, self._meta_count = [], set(), 0
         self._pending, self._next_pass = {name: [] for name in self.layers}, None
-        self._judges = {"reference": None, "reference_variance": None}  # as far as they are written
+        self._judges = {"reference": None, "reference_variance": None}  # the one that waits for the other
         self._file = PartialFile(path, force)
         head = np.zeros((), layout.FILE_HEADER)
         head["magic"], head["major"], head["minor"] = np.void(layout.MAGIC), layout.MAJOR, layout.MINOR
@@ -228,10 +228,11 @@ class Writer:
         if self._pending[layer.name]:
             raise self._error(f"layer {layer.name} is written twice")
         if layer.name in self._judges:
-            judges = {**self._judges, layer.name: array.copy()}  # the caller may use the array again
+            judges = {**self._judges, layer.name: array}
             if judges["reference"] is not None:  # which says where its variance counts
                 check_judges(self.path, *judges.values())
-            self._judges = judges
+            both = all(judge is not None for judge in judges.values())
+            self._judges = dict.fromkeys(judges) if both else {**judges, layer.name: array.copy()}  # the caller may use the array again
         self._pending[layer.name].append(array)
         members = [name for name, other in self.layers.items() if other.group == layer.group]
         if not all(self._pending[name] for name in members):  # the other layers of this group are still to come
