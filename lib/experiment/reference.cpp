@@ -117,15 +117,6 @@ bool is_mean_of_its_own(const RecordedSamples& recording, const RgbImage& refere
   return noisy >= kEnough && static_cast<double>(near) >= 0.99 * static_cast<double>(noisy);
 }
 
-Result<void> check_holdout(const SamplePool& pool, int least) {
-  const int q = pool.pieces_per_side();
-  const int holdout = pool.options().holdout;
-  if ((holdout + q * q - 1) / (q * q) >= least) return {};
-  return fail(ErrorCode::kData,
-              "{}: {} held-out samples per pixel cannot judge: hold out at least {}",
-              pool.recording().name(), holdout, least * q * q);
-}
-
 }  // namespace
 
 const std::vector<ReferenceDescription>& reference_kinds() {
@@ -175,6 +166,23 @@ int withheld_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int
   return std::max(asked, std::min(kLeastWithheld * pieces, spp - pieces));
 }
 
+Result<void> check_can_judge(ReferenceKind kind, const std::string& recording, bool has_reference,
+                             int withheld, int pieces_per_side) {
+  if (kind == ReferenceKind::kIndependent && !has_reference) {
+    return fail(ErrorCode::kData,
+                "{}: holds no independent reference: judge by --reference holdout, or record one",
+                recording);
+  }
+  const int least = kind == ReferenceKind::kHoldout       ? 3
+                    : kind == ReferenceKind::kHoldoutPair ? 5
+                                                          : 0;
+  const int pieces = pieces_per_side * pieces_per_side;
+  if ((withheld + pieces - 1) / pieces >= least) return {};
+  return fail(ErrorCode::kData,
+              "{}: {} held-out samples per pixel cannot judge: hold out at least {}", recording,
+              withheld, least * pieces);
+}
+
 int offered_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int pieces_per_side) {
   const int offered = spp - withheld_samples(kind, spp, chosen, pieces_per_side);
   return kind == ReferenceKind::kCrossfit ? offered / 2 : offered;
@@ -186,11 +194,8 @@ ReferenceKind default_reference_kind(int spp, bool has_reference) {
 }
 
 Result<JudgingReference> independent_reference(const RecordedSamples& recording) {
-  if (!recording.reference()) {
-    return fail(ErrorCode::kData,
-                "{}: holds no independent reference: judge by --reference holdout, or record one",
-                recording.name());
-  }
+  SPOOL_TRY(check_can_judge(ReferenceKind::kIndependent, recording.name(),
+                            recording.reference().has_value(), 0, 1));
   const Reference& recorded = *recording.reference();
   if (is_mean_of_its_own(recording, recorded.mean)) {
     return fail(
@@ -202,13 +207,22 @@ Result<JudgingReference> independent_reference(const RecordedSamples& recording)
   return JudgingReference{recorded.mean, recorded.variance_of_mean, std::nullopt};
 }
 
+namespace {
+
+Result<void> check_held_out(ReferenceKind kind, const SamplePool& pool) {
+  return check_can_judge(kind, pool.recording().name(), pool.recording().reference().has_value(),
+                         pool.options().holdout, pool.pieces_per_side());
+}
+
+}  // namespace
+
 Result<JudgingReference> holdout_reference(const SamplePool& pool) {
-  SPOOL_TRY(check_holdout(pool, 3));
+  SPOOL_TRY(check_held_out(ReferenceKind::kHoldout, pool));
   return split_reference(pool, [&](int x, int y) { return held_out(pool, x, y); });
 }
 
 Result<JudgingReference> holdout_pair_reference(const SamplePool& pool) {
-  SPOOL_TRY(check_holdout(pool, 5));
+  SPOOL_TRY(check_held_out(ReferenceKind::kHoldoutPair, pool));
   JudgingReference reference =
       split_reference(pool, [&](int x, int y) { return held_out(pool, x, y); });
   const int q = pool.pieces_per_side();

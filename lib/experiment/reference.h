@@ -48,6 +48,10 @@ int default_holdout(int spp);
 // have no such reference.
 inline constexpr int kLeastWithheld = 3;  // two for a mean with its variance, one to divide by
 int withheld_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int pieces_per_side);
+// Error kData where no image can be judged so: without a reference, or by too few held-out samples
+// of a pixel. One line before any work, instead of one in each result.
+Result<void> check_can_judge(ReferenceKind kind, const std::string& recording, bool has_reference,
+                             int withheld, int pieces_per_side);
 // What is left of a pixel's samples for a sampler; with crossfit, of a half of them.
 int offered_samples(ReferenceKind kind, int spp, std::optional<int> chosen, int pieces_per_side);
 // The kind used without a choice: independent where the recording carries a reference, else

@@ -432,6 +432,16 @@ def test_pool_too_small_for_a_holdout_still_is_judged(good, tmp_path):
     assert rows_of(tmp_path / "out")[0]["mse"] not in ("", "nan")
 
 
+@pytest.mark.parametrize("options, said", [(("holdout", "--holdout", 0), "0 held-out samples per pixel cannot judge: hold out at least 3"),
+                                           (("holdout_pair", "--holdout", 4), "4 held-out samples per pixel cannot judge: hold out at least 5"),
+                                           (("holdout",), "0 held-out samples per pixel cannot judge: hold out at least 3"),
+                                           (("independent",), "holds no independent reference: judge by --reference holdout")])
+def test_what_can_judge_no_image_is_an_error_before_work(run, tmp_path, options, said):
+    path = write_dump(tmp_path / "short.spool", samples(8, 8, 8)[0])
+    run("evaluate", path, "--spp", 2, "--replicates", 1, "-o", "out", "--reference", *options).failed_with(1, f"short.spool: {said}")
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("reference, offered", [("holdout", 16), ("leave_selected_out", 29), ("crossfit", 16), ("independent", 32)])
 def test_a_budget_beyond_what_samplers_are_offered_is_refused_before_work(good, run, tmp_path, reference, offered):
     radiance, mean = samples(8, 8, 32)

@@ -60,14 +60,17 @@ Result<void> check_alike(const PlanScene& scene, const std::string& other, const
 }
 
 // A sampler that is offered less than the budget would be judged as if it had had all of it.
-Result<void> check_budgets(const Plan& plan, const std::string& dump,
+Result<void> check_judging(const Plan& plan, const std::string& dump,
                            const format::SpoolReader& reader) {
   const auto recorded = static_cast<int>(reader.header().spp);
   const bool has_reference = reader.find_layer("reference").has_value();
   const ReferenceKind kind =
       plan.experiment.reference.value_or(default_reference_kind(recorded, has_reference));
-  const int offered = std::max(
-      0, offered_samples(kind, recorded, plan.experiment.holdout, plan.experiment.pieces_per_side));
+  const int pieces_per_side = plan.experiment.pieces_per_side;
+  const int withheld = withheld_samples(kind, recorded, plan.experiment.holdout, pieces_per_side);
+  SPOOL_TRY(check_can_judge(kind, dump, has_reference, withheld, pieces_per_side));
+  const int offered =
+      std::max(0, offered_samples(kind, recorded, plan.experiment.holdout, pieces_per_side));
   for (const double spp : plan.spp) {
     if (spp <= offered) continue;
     const std::string judge =
@@ -194,7 +197,7 @@ Result<NamedCells> name_cells(const Plan& plan) {
 Result<std::vector<DumpIdentity>> check_dumps(const Plan& plan) {
   for (const std::string& dump : plan.recordings) {
     SPOOL_ASSIGN(const format::SpoolReader reader, format::SpoolReader::open(dump));
-    SPOOL_TRY(check_budgets(plan, dump, reader));
+    SPOOL_TRY(check_judging(plan, dump, reader));
   }
   for (const PlanScene& scene : scenes_of(plan)) {
     for (const std::string& other : scene.recordings)
