@@ -37,7 +37,7 @@ std::vector<JudgedClaim> judge_claims(std::span<const Comparison> comparisons,
   std::vector<double> p;
   for (std::size_t i = 0; i < comparisons.size(); ++i)
     p.push_back(p_of(comparisons[i], std::log(below[i])));
-  const std::vector<double> adjusted = holm_adjusted(p);
+  const std::vector<double> adjusted = family_of(comparisons, p).p;
   std::vector<JudgedClaim> judged;
   for (std::size_t i = 0; i < comparisons.size(); ++i) {
     JudgedClaim& claim = judged.emplace_back(JudgedClaim{comparisons[i], adjusted[i]});

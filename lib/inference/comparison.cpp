@@ -256,6 +256,24 @@ std::vector<double> holm_factors(std::span<const double> p, std::size_t family) 
   return factors;
 }
 
+Family family_of(std::span<const Comparison> comparisons, std::span<const double> p,
+                 std::size_t family) {
+  SPOOL_CHECK_EQ(comparisons.size(), p.size());
+  std::vector<double> members(p.begin(), p.end());
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (!comparisons[i].identical) continue;
+    members[i] = std::numeric_limits<double>::quiet_NaN();
+    if (family > 0) --family;
+  }
+  Family found{holm_adjusted(members, family), holm_factors(members, family)};
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (!comparisons[i].identical) continue;
+    found.p[i] = p[i];
+    found.factors[i] = 1.0;
+  }
+  return found;
+}
+
 std::vector<double> holm_adjusted(std::span<const double> p, std::size_t family) {
   const std::vector<double> factors = holm_factors(p, family);
   std::vector<double> adjusted(p.begin(), p.end());

@@ -75,6 +75,15 @@ std::string_view verdict_name(Verdict verdict);
 // Of the first against the second; `p` adjusted for all comparisons that are made together.
 Verdict verdict_of(const Comparison& comparison, double p, double significance = 0.05);
 
+// Adjusted p-values and factors of comparisons that are made together, `p` of each. Methods that
+// are identical were not separated by chance and need no protection from it: they keep their p, and
+// the others are not charged for them.
+struct Family {
+  std::vector<double> p, factors;
+};
+Family family_of(std::span<const Comparison> comparisons, std::span<const double> p,
+                 std::size_t family = 0);
+
 // Family-wise p-values by Holm's step-down rule [Holm79], in the order given. NaN stays NaN and is
 // no member of the family. `family`: its size where more could have been compared, and what they
 // say decided which were; 0: those given.

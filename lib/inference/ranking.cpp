@@ -87,6 +87,7 @@ Ranking rank_methods(const std::vector<Series>& methods, Better better,
   const auto compared =
       static_cast<std::size_t>(std::ranges::count(ranking.methods, true, &RankedMethod::compared));
   std::vector<double> p;
+  std::vector<Comparison> comparisons;
   for (const auto& [i, j] : wanted_pairs(ranking, compared, options)) {
     const std::size_t a = ranking.methods[i].method, b = ranking.methods[j].method;
     PairVerdict& pair = ranking.pairs.emplace_back(
@@ -95,14 +96,14 @@ Ranking rank_methods(const std::vector<Series>& methods, Better better,
     pair.ratio = has_ratio ? compare_paired(methods[a], methods[b], better).ratio()
                            : pair.comparison.ratio();
     p.push_back(pair.comparison.p);
+    comparisons.push_back(pair.comparison);
   }
-  const std::size_t family = compared > options.most_paired ? compared * (compared - 1) / 2 : 0;
-  const std::vector<double> adjusted = holm_adjusted(p, family);
-  const std::vector<double> factors = holm_factors(p, family);
-  for (std::size_t k = 0; k < adjusted.size(); ++k) {
+  const std::size_t all = compared > options.most_paired ? compared * (compared - 1) / 2 : 0;
+  const Family family = family_of(comparisons, p, all);
+  for (std::size_t k = 0; k < p.size(); ++k) {
     PairVerdict& pair = ranking.pairs[k];
-    pair.p = adjusted[k];
-    pair.factor = factors[k];
+    pair.p = family.p[k];
+    pair.factor = family.factors[k];
     pair.verdict = verdict_of(pair.comparison, pair.p, options.significance);
   }
   if (compared <= options.most_paired) set_letters(ranking, compared);

@@ -54,6 +54,20 @@ TEST(Claims, AreOneFamily) {
   EXPECT_GT(two[0].p, 0.05);
 }
 
+// What is identical is not told apart by chance: asking for it costs the other claims nothing.
+TEST(Claims, OfIdenticalMethodsAreNoMember) {
+  const Comparison edge = near_ratio(std::exp(-0.27));
+  Comparison same = near_ratio(1.0);
+  same.identical = true;
+  same.p = 1.0;
+  const auto judged = judge_claims(std::vector{edge, same, same}, std::vector{1.0, 1.0, 2.0});
+  EXPECT_EQ(judged[0].verdict, ClaimVerdict::kHolds);
+  EXPECT_DOUBLE_EQ(judged[0].p, judge_claims(std::vector{edge}, std::vector{1.0})[0].p);
+  EXPECT_EQ(judged[1].verdict, ClaimVerdict::kUndecided);
+  EXPECT_EQ(judged[1].p, 1.0);
+  EXPECT_EQ(judged[2].verdict, ClaimVerdict::kHolds);
+}
+
 TEST(Claims, WhatIsNotComparedIsNotKnownAndNoMember) {
   const Comparison edge = near_ratio(std::exp(-0.27));
   const auto judged = judge_claims(std::vector{edge, Comparison{}}, std::vector{1.0, 1.0});

@@ -73,6 +73,28 @@ TEST(ComparePaired, NoDifferenceAndOneImage) {
   EXPECT_FALSE(compare_paired({{1.0}}, {{2.0}}, Better::kLower).known());
 }
 
+// Six pairs with a copy of one method, of which one is the copy's: five are compared by chance.
+TEST(Ranking, IdenticalMethodsAreNoMembersOfTheFamily) {
+  const Series a = noisy(1.0, 0.3, 1), b = noisy(1.2, 0.3, 2), c = noisy(2.0, 0.3, 3);
+  const Ranking copied = rank_methods({a, b, c, a}, Better::kLower);
+  double largest = 0.0;
+  for (const PairVerdict& pair : copied.pairs) {
+    if (pair.verdict == Verdict::kIdentical) {
+      EXPECT_EQ(pair.p, 1.0);
+    } else {
+      largest = std::max(largest, pair.factor);
+    }
+  }
+  EXPECT_EQ(largest, 5.0);
+  // Where not all pairs are compared, it is none of those that could have been.
+  const Ranking few =
+      rank_methods({a, b, c, a}, Better::kLower, {.baseline = std::size_t{0}, .most_paired = 3});
+  largest = 0.0;
+  for (const PairVerdict& pair : few.pairs)
+    largest = std::max(largest, pair.factor);
+  EXPECT_EQ(largest, 5.0);
+}
+
 // A cell that failed, or is not there, leaves them the replicates of one image that they are.
 TEST(ComparePaired, AMissingReplicateChangesNothingAboutTheOthers) {
   const double none = std::nan("");

@@ -192,9 +192,12 @@ Change compare_one(const ResultFolder& a, const ResultFolder& b, const Combinati
 
 void judge(std::vector<Change>& changes, double significance, double tolerance) {
   std::vector<double> p;
-  for (const Change& change : changes)
+  std::vector<Comparison> differences;
+  for (const Change& change : changes) {
     p.push_back(change.difference.p);
-  const std::vector<double> adjusted = holm_adjusted(p);
+    differences.push_back(change.difference);
+  }
+  const std::vector<double> adjusted = family_of(differences, p).p;
   for (std::size_t i = 0; i < changes.size(); ++i) {
     Change& change = changes[i];
     change.p = adjusted[i];

@@ -34,7 +34,7 @@ const char* const kRules[][2] = {
      "Methods are compared replicate by replicate on the logarithms of their errors, or, where an "
      "error of one of them is not positive, on all errors as they are; they are listed by the "
      "means on that scale. Verdicts are Holm's, at 5 % for all pairs of a scene, budget and metric "
-     "together. Methods that share a letter are not separated."},
+     "together, but for identical methods. Methods that share a letter are not separated."},
     {"claim",
      "A question of the plan: the ratio of two errors lies below its limit. The claims of a scene "
      "and budget together at 5 % (Holm), apart from the pairs. Over several places: holds where "
