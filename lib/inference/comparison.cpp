@@ -59,7 +59,7 @@ double cost_slope(const Series& series, Better better, bool logarithmic) {
 bool same_values(const Series& a, const Series& b) {
   if (a.values.size() != b.values.size()) return false;
   for (std::size_t r = 0; r < a.values.size(); ++r) {
-    const bool both = std::isfinite(a.values[r]) && std::isfinite(b.values[r]);
+    const bool both = !std::isnan(a.values[r]) && !std::isnan(b.values[r]);
     if (both && a.values[r] != b.values[r]) return false;
   }
   return true;
@@ -69,7 +69,8 @@ bool same_values(const Series& a, const Series& b) {
 bool can_tell(Comparison& c, const Series& a, const Series& b) {
   c.identical = c.n > 0 && same_values(a, b);
   c.withheld = a.withheld != Withheld::kNo ? a.withheld : b.withheld;
-  return c.n >= 2 && !a.alike() && !b.alike() && c.withheld == Withheld::kNo;
+  return c.n >= 2 && !a.alike() && !b.alike() && !a.unbounded() && !b.unbounded() &&
+         c.withheld == Withheld::kNo;
 }
 
 void test(Comparison& c, double standard_error, double freedom) {

@@ -40,18 +40,22 @@ void finish(Interval& interval, double reach, Range range) {
 bool Series::alike() const {
   const auto first = std::ranges::find_if(values, [](double v) { return std::isfinite(v); });
   return known() > 1 &&
-         std::ranges::all_of(values, [&](double v) { return v == *first || !std::isfinite(v); });
+         std::ranges::all_of(values, [&](double v) { return v == *first || std::isnan(v); });
 }
 
 int Series::known() const {
   return static_cast<int>(std::ranges::count_if(values, [](double v) { return std::isfinite(v); }));
 }
 
+bool Series::unbounded() const {
+  return std::ranges::any_of(values, [](double value) { return std::isinf(value); });
+}
+
 bool all_positive(std::span<const double> values) {
   bool any = false;
   for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    if (!(value > 0.0)) return false;
+    if (std::isnan(value)) continue;
+    if (!(value > 0.0) || std::isinf(value)) return false;
     any = true;
   }
   return any;
@@ -65,7 +69,7 @@ std::vector<double> recording_means(std::span<const double> values, int recordin
   std::vector<double> means;
   for (std::size_t first = 0; first + each <= values.size() && each > 0; first += each) {
     const MeanError one = mean_error(values.subspan(first, each), 0.0);
-    if (one.n > 0) means.push_back(one.mean);
+    if (!std::isnan(one.mean)) means.push_back(one.mean);
   }
   return means;
 }
@@ -85,13 +89,18 @@ MeanError mean_error(std::span<const double> values, double correlation, const H
     }
   }
   MeanError found;
-  double mean = 0.0, m2 = 0.0;
+  double mean = 0.0, m2 = 0.0, infinite = 0.0;
   for (const double value : values) {
+    if (std::isinf(value)) infinite += value;
     if (!std::isfinite(value)) continue;
     ++found.n;
     const double delta = value - mean;
     mean += delta / found.n;
     m2 += delta * (value - mean);
+  }
+  if (infinite != 0.0) {  // both infinities: not a number
+    found.mean = infinite;
+    return found;
   }
   if (found.n == 0) return found;
   found.mean = mean;
@@ -133,7 +142,7 @@ Interval mean_interval(const Series& series, Range range) {
   interval.n = found.n;
   interval.mean = found.mean;
   double reach = kNaN;
-  if (found.n >= 2 && series.withheld == Withheld::kNo) {
+  if (found.n >= 2 && !series.unbounded() && series.withheld == Withheld::kNo) {
     interval.standard_error = found.standard_error;
     interval.freedom = found.freedom;
     reach = student_quantile(0.975, interval.freedom) * found.standard_error;

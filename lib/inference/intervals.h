@@ -38,16 +38,19 @@ enum class Range {
 };
 
 struct Series {
-  std::vector<double> values;  // [replicate]; NaN: no result
-  double correlation = 0;      // of two replicates, 0 .. 1
-  TakenSamples taken = {};     // says what two methods have in common; may be left empty
+  // [replicate]; NaN: no result; infinite: a result whose error no number holds, and with it the
+  // mean. Without that replicate a method would be judged by those in which it did well.
+  std::vector<double> values;
+  double correlation = 0;   // of two replicates, 0 .. 1
+  TakenSamples taken = {};  // says what two methods have in common; may be left empty
   std::vector<HalfDifference> halves = {};  // of as many splits as were made; empty: not measured
   Withheld withheld = Withheld::kNo;
   int recordings = 1;  // the values are as many of each, one recording after the other
 
   // Several finite values, all the same: replicates of one image, which do not say how exact it is.
   bool alike() const;
-  int known() const;  // finite values
+  int known() const;       // finite values
+  bool unbounded() const;  // any is infinite
 };
 
 inline constexpr int kOwnSpread = 3;  // recordings: with two, one degree of freedom says little
@@ -77,7 +80,8 @@ Interval single_interval(double value, double standard_error, int blocks,
 // [Satterthwaite46].
 Interval mean_of_intervals(std::span<const Interval> intervals);
 
-// Mean, standard error of the mean and its degrees of freedom, of finite values as they are.
+// Mean, standard error of the mean and its degrees of freedom, of values as they are. Where one is
+// infinite, so is the mean, and nothing else is known.
 struct MeanError {
   int n = 0;
   double mean = std::numeric_limits<double>::quiet_NaN();
@@ -87,6 +91,6 @@ struct MeanError {
 MeanError mean_error(std::span<const double> values, double correlation,
                      const HalfSpread& between = {}, int recordings = 1);
 
-bool all_positive(std::span<const double> values);  // and one at least is finite
+bool all_positive(std::span<const double> values);  // and finite, where there is a result
 
 }  // namespace spool

@@ -73,7 +73,7 @@ Ranking rank_methods(const std::vector<Series>& methods, Better better,
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const bool left_out = m < options.left_out.size() && options.left_out[m];
     const bool compared = !left_out && methods[m].known() >= 2 && !methods[m].alike() &&
-                          methods[m].withheld == Withheld::kNo;
+                          !methods[m].unbounded() && methods[m].withheld == Withheld::kNo;
     ranking.methods.push_back({m, mean_interval(methods[m], options.range), "", compared});
   }
   const bool logarithmic =

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -128,6 +129,16 @@ TEST(MeanInterval, CoversTheMeanInNinetyFivePercent) {
   }
   EXPECT_NEAR(normal / 4000.0, 0.95, 4 * std::sqrt(0.95 * 0.05 / 4000));
   EXPECT_EQ(normal, lognormal);
+}
+
+TEST(MeanError, OfAnInfiniteValueIsInfinite) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(mean_error(std::vector{1.0, infinite, 2.0}, 0.0).mean, infinite);
+  EXPECT_TRUE(std::isnan(mean_error(std::vector{1.0, infinite, 2.0}, 0.0).standard_error));
+  EXPECT_TRUE(std::isnan(mean_error(std::vector{infinite, -infinite}, 0.0).mean));
+  // Of three recordings one has no finite value at all.
+  EXPECT_EQ(mean_error(std::vector{1.0, 2.0, infinite}, 0.0, {}, 3).mean, infinite);
+  EXPECT_FALSE((Series{{1.0, 1.0, infinite}}).alike());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -93,6 +94,24 @@ TEST(Ranking, IdenticalMethodsAreNoMembersOfTheFamily) {
   for (const PairVerdict& pair : few.pairs)
     largest = std::max(largest, pair.factor);
   EXPECT_EQ(largest, 5.0);
+}
+
+// Left out, the replicate in which a method failed worst would make it as good as another.
+TEST(Ranking, AMethodWithAnInfiniteErrorIsNotCompared) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const Series a{{1.0, 1.2, 0.9, 1.1}}, failing{{1.0, infinite, 0.9, 1.1}};
+  const Comparison found = compare_paired(failing, a, Better::kLower);
+  EXPECT_FALSE(found.identical);
+  EXPECT_FALSE(found.known());
+  EXPECT_EQ(verdict_of(found, found.p), Verdict::kUnknown);
+  EXPECT_FALSE(compare_independent(failing, a, Better::kLower).known());
+  const Ranking ranking = rank_methods({failing, a, noisy(2.0, 0.1, 4, 0.0, 4)}, Better::kLower);
+  EXPECT_EQ(ranking.methods.front().method, 1u);
+  EXPECT_EQ(ranking.methods.back().method, 0u);
+  EXPECT_FALSE(ranking.methods.back().compared);
+  EXPECT_EQ(ranking.methods.back().mean.mean, infinite);
+  EXPECT_TRUE(std::isnan(ranking.methods.back().mean.low));
+  EXPECT_TRUE(ranking.pairs.front().comparison.logarithmic);
 }
 
 // A cell that failed, or is not there, leaves them the replicates of one image that they are.

@@ -4,7 +4,7 @@ import json
 import pytest
 
 from conftest import samples, write_dump
-from results_comparison import cell_lines, changed_cells
+from results_comparison import cell_lines, changed_cells, rows_of
 
 PLAN = """
 recordings = ["scene.spool"]
@@ -49,6 +49,14 @@ def test_another_seed_is_not_told_apart(good, evaluate):
     found = good("compare", evaluate("a"), evaluate("b", seed=2), "--json").json
     assert {c["verdict"] for c in found["comparisons"]} == {"undecided"}
     assert not any(c["paired"] for c in found["comparisons"])
+
+
+def test_a_result_that_became_infinite_is_not_called_identical(good, evaluate, tmp_path):
+    a, b = evaluate("a"), evaluate("b")
+    firsts = {row["relmse"] for row in rows_of(tmp_path / "b") if row["replicate"] == "0"}
+    change(tmp_path, "b", lambda cell: cell["fields"]["relmse"] in firsts, float("inf"))
+    found = good("compare", a, b, "--json").json["comparisons"]
+    assert {c["verdict"] for c in found} == {"not compared"}
 
 
 def test_what_became_worse_sets_the_exit_code(run, good, evaluate, tmp_path):

@@ -70,6 +70,7 @@ std::string ends_text(const Interval& interval, const std::string& mean, int dig
 }  // namespace
 
 std::string value_text(const Interval& interval, const char* format) {
+  if (std::isinf(interval.mean)) return "infinite";
   if (!std::isfinite(interval.mean)) return "n/a";
   const std::string text = fmt::format(fmt::runtime(format), interval.mean);
   return has_ends(interval) ? text + ends_text(interval, text, 3) : text;

@@ -22,7 +22,7 @@ constexpr const char* kClaims = "claims.json";
 const char* const kRules[][2] = {
     {"mean",
      "Over the replicates; of errors and times geometric where every value is positive, so that "
-     "quotients of means are means of quotients."},
+     "quotients of means are means of quotients. None where a value is infinite."},
     {"interval",
      "An interval at 95 % says where the mean of another recording of the scene would lie; each "
      "is computed for itself. It is Student's, of the logarithms where the mean is geometric, and "
