@@ -77,6 +77,22 @@ def test_what_has_no_verdict_has_neither_colour_nor_bar_and_what_is_biased_says_
     assert saved(page, page.get_by_role("button", name="LaTeX", exact=True).click)[1].count("relMSE (biased)") == 1
 
 
+def test_a_ratio_reads_one_only_where_it_is_one(browser, made_folder, statistics, tmp_path):
+    """In the headline, in the words of its cells and in the table of all results."""
+    (tmp_path / "results.csv").write_bytes((made_folder / "results.csv").read_bytes())
+    for condition in statistics["conditions"]:
+        for entry in condition["ranking"]:
+            if "ratio" in entry:
+                entry.update(ratio=[1.00041, 1.00021, 1.00061], against_baseline="worse")
+    (tmp_path / "statistics.json").write_text(json.dumps(statistics))
+    assert main([str(tmp_path), "-o", str(tmp_path / "report.html")]) == 0
+    page = Opened(browser, tmp_path / "report.html").page
+    compared = [cell for row in cells(page).values() for cell in row if cell[2] == "worse"]
+    assert compared and all(cell[0].startswith("1.0004") for cell in compared)
+    assert "ratio 1.0004 [1.0002, 1.001]" in page.locator("#headline td.worse button").first.get_attribute("title")
+    assert page.locator("#results td", has_text="1.0004[1.0002, 1.001]").count() > 0
+
+
 def test_without_a_baseline_ratios_are_to_the_first_method(browser, tmp_path):
     write_results(tmp_path, make_rows(dumps=("a.spool",), samplers=("mitchell", "multiscale"), filters=("box", "gaussian"), budgets=(8,)))
     assert main([str(tmp_path), "-o", str(tmp_path / "report.html")]) == 0

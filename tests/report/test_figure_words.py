@@ -17,9 +17,11 @@ from tools.report.failure import Failure
 from tools.report.figure import main
 from tools.report.figure_captions import notes, numbers_text
 from tools.report.figure_methods import choose_methods, left_out_text, own_methods
+from tools.report.figure_tables import latex_interval, plain_interval, ratio_number
 from tools.report.figure_text import breakable
+from tools.report.number_text import ratio_text
 from tools.report.result_images import dump_names, file_name_of
-from tools.report.statistics_file import Statistics
+from tools.report.statistics_file import Statistics, interval_of
 
 HOSTILE = r"a_b%&#${x}~^\d"
 DOCUMENT = r"""\documentclass[twocolumn]{article}
@@ -218,3 +220,14 @@ def test_names_break_after_marks_and_words_only_where_they_are_no_words():
     assert breakable("multiscale{a_b=1} + directional") == (
         r"multiscale\{\allowbreak{}a\_\allowbreak{}b=\allowbreak{}1\}\allowbreak{} + directional")
     assert breakable("x" * 21) == r"xxxxxxx\allowbreak{}xxxxxxx\allowbreak{}xxxxxxx" and breakable("") == ""
+
+
+@pytest.mark.parametrize("ratio, words", [([1.0004, 1.0002, 1.0006], "1.0004 [1.0002, 1.001]"), ([0.99961, 0.9996, 0.99962], "0.9996 [0.9996, 0.9996]"),
+                                          ([1.05, 1.003, 1.1], "1.05 [1.003, 1.1]"), ([1.0, 1.0, 1.0], "1 [1, 1]"), ([0.5], "0.5"), ([], "")])
+def test_a_ratio_reads_one_only_where_it_is_one(ratio, words):
+    """Beside "better" or a letter of its own, 1 [1, 1] would say the contrary."""
+    assert ratio_text(interval_of(ratio)) == words
+    padded = {"1": "1.00", "1.1": "1.10", "0.5": "0.500"}
+    written = re.sub(r"[0-9.]+", lambda number: padded.get(number[0], number[0]), words)
+    assert plain_interval(interval_of(ratio), ratio_number) == written
+    assert re.findall(r"[0-9.]+", latex_interval(interval_of(ratio), number=ratio_number)) == re.findall(r"[0-9.]+", written)

@@ -26,6 +26,13 @@ TEST(ShownResults, AnEndOfARatioReadsOneOnlyWhereItIsOne) {
   EXPECT_EQ(shown(0.5, 1.0), "1.05 [0.5, 1]");
 }
 
+TEST(ShownResults, ARatioReadsOneOnlyWhereItIsOne) {
+  EXPECT_EQ(ratio_text(interval(0.99961, 0.9996, 0.99962)), "0.9996 [0.9996, 0.9996]");
+  EXPECT_EQ(ratio_text(interval(1.0004, 1.0002, 1.0006)), "1.0004 [1.0002, 1.001]");
+  EXPECT_EQ(ratio_text(interval(1.00004, 1.00001, 1.0001), 4, 4), "1.00004 [1.00001, 1.0001]");
+  EXPECT_EQ(ratio_text(interval(1.0, 1.0, 1.0)), "1 [1, 1]");
+}
+
 TEST(ShownResults, APrintedMeanLiesWithinItsPrintedEnds) {
   EXPECT_EQ(ratio_text(interval(1.09, 1.074, 1.11)), "1.09 [1.07, 1.1]");
   EXPECT_EQ(ratio_text(interval(1.16, 1.02, 1.161)), "1.16 [1.02, 1.2]");

@@ -59,6 +59,13 @@ def test_a_result_that_became_infinite_is_not_called_identical(good, evaluate, t
     assert {c["verdict"] for c in found} == {"not compared"}
 
 
+def test_a_ratio_reads_one_only_where_it_is_one(run, evaluate, tmp_path):
+    a, b = evaluate("a"), evaluate("b")
+    change(tmp_path, "b", lambda cell: True, 1.00002)
+    finished = run("compare", a, b)
+    assert "6 worse" in finished.err and "1.00002 [1.00002, 1.00002]" in finished.out
+
+
 def test_what_became_worse_sets_the_exit_code(run, good, evaluate, tmp_path):
     a, b = evaluate("a"), evaluate("b")
     change(tmp_path, "b", lambda cell: True, 1.5)

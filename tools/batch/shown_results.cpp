@@ -50,8 +50,17 @@ double mean_or(const Interval& interval, double other) {
 
 namespace {
 
-// " [LOW, HIGH]" in so many digits, in more where the printed mean would lie outside, or where an
-// end of a ratio would read 1 that is not 1: it would not agree with the verdict beside it.
+// A ratio that is not 1 does not read 1, which would not agree with the verdict beside it: it has
+// more digits than asked for.
+constexpr int kMostDigits = 6;
+std::string ratio_number(double ratio, int digits) {
+  std::string text = fmt::format("{:.{}g}", ratio, digits);
+  while (text == "1" && ratio != 1.0 && digits < kMostDigits)
+    text = fmt::format("{:.{}g}", ratio, ++digits);
+  return text;
+}
+
+// " [LOW, HIGH]" in so many digits, in more where the printed mean would lie outside.
 std::string ends_text(const Interval& interval, const std::string& mean, int digits,
                       bool is_ratio = false) {
   const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
@@ -61,7 +70,7 @@ std::string ends_text(const Interval& interval, const std::string& mean, int dig
       const std::string text = fmt::format("{:.{}g}", value, more);
       const bool outside = is_low ? number(text) > shown : number(text) < shown;
       const bool reads_one = is_ratio && text == "1" && value != 1.0;
-      if (more == 6 || !(outside || reads_one)) return text;
+      if (more == kMostDigits || !(outside || reads_one)) return text;
     }
   };
   return fmt::format(" [{}, {}]", end(interval.low, true), end(interval.high, false));
@@ -76,10 +85,10 @@ std::string value_text(const Interval& interval, const char* format) {
   return has_ends(interval) ? text + ends_text(interval, text, 3) : text;
 }
 
-std::string ratio_text(const Interval& ratio) {
+std::string ratio_text(const Interval& ratio, int digits, int end_digits) {
   if (!std::isfinite(ratio.mean)) return "-";
-  const std::string mean = fmt::format("{:.3g}", ratio.mean);
-  return has_ends(ratio) ? mean + ends_text(ratio, mean, 2, true) : mean;
+  const std::string mean = ratio_number(ratio.mean, digits);
+  return has_ends(ratio) ? mean + ends_text(ratio, mean, end_digits, true) : mean;
 }
 
 std::string count_text(double count) {

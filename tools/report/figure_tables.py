@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from tools.report.figure_text import breakable, latex, printable, significant
 from tools.report.metric_names import BIASED
-from tools.report.number_text import samples_text
+from tools.report.number_text import digits_of_ratio, samples_text
 from tools.report.statistics_file import Interval, best_is_alone, interval_of
 from tools.report.summary import late_text, name_of, threads_text, unjudged, verdict_text
 
@@ -45,18 +45,23 @@ def by_scene(statistics, metric):
     return {dump: sorted(conditions, key=lambda c: c["spp"]) for dump, conditions in scenes.items()}
 
 
-def latex_interval(interval, bold=False):
+def ratio_number(value):
+    return significant(value, digits_of_ratio(value, 3, significant))
+
+
+def latex_interval(interval, bold=False, number=significant):
+    """`number`: how one is written."""
     if interval.mean != interval.mean:
         return ""
-    mean = latex_number(interval.mean)
+    mean = latex_number(number(interval.mean))
     text = rf"\mathbf{{{mean}}}" if bold else f"{{{mean}}}" if "^" in mean else mean
     if interval.low == interval.low and interval.high == interval.high:
-        text += rf"_{{\,{latex_number(interval.low)}}}^{{\,{latex_number(interval.high)}}}"
+        text += rf"_{{\,{latex_number(number(interval.low))}}}^{{\,{latex_number(number(interval.high))}}}"
     return f"${text}$"
 
 
-def latex_number(value):
-    mantissa, _, exponent = significant(value).partition("e")
+def latex_number(text):
+    mantissa, _, exponent = text.partition("e")
     return mantissa + (rf"{{\cdot}}10^{{{exponent}}}" if exponent else "")
 
 
@@ -91,7 +96,7 @@ def latex_tables(statistics, metric, labels, baseline, captions):
             for budget, row in part:
                 inside += [r"\midrule", budget] if budget != shown else []
                 shown = budget
-                inside.append(" & ".join([breakable(row.method), latex_interval(row.value, row.bold), latex_interval(row.ratio),
+                inside.append(" & ".join([breakable(row.method), latex_interval(row.value, row.bold), latex_interval(row.ratio, number=ratio_number),
                                         latex(row.letters) + "".join(LATEX_MARKS[m] for m in row.marks())])
                               + r" \\[2pt]")
             text += framed(captions(dump, i, len(parts)), "Xrrl", inside)
@@ -112,7 +117,7 @@ def claims_table(statistics, labels):
     text = []
     for part in parts_of(claim_rows(statistics.claims, labels), lambda row: row[0] or row[1]):
         lines = [rf"{breakable(claim) if claim else chr(92) + 'quad ' + breakable(where)} & {latex(verdict)} & "
-                 rf"{latex_interval(ratio)} \\[2pt]" for claim, where, verdict, ratio in part]
+                 rf"{latex_interval(ratio, number=ratio_number)} \\[2pt]" for claim, where, verdict, ratio in part]
         text += framed(r"Claims of the plan and what the results say of them. Ratio: error of the method that is claimed to be better over "
                        r"that of the other; sub- and superscript: ends of its 95\,\% interval. " + latex(statistics.judged_text()), "Xlr",
                        [r"claim & verdict & ratio \\", r"\midrule", *lines])
@@ -125,12 +130,12 @@ def markdown(text):
     return printable(text)
 
 
-def plain_interval(interval):
+def plain_interval(interval, number=significant):
     if interval.mean != interval.mean:
         return ""
-    text = significant(interval.mean)
+    text = number(interval.mean)
     known = interval.low == interval.low and interval.high == interval.high
-    return text + (f" [{significant(interval.low)}, {significant(interval.high)}]" if known else "")
+    return text + (f" [{number(interval.low)}, {number(interval.high)}]" if known else "")
 
 
 def markdown_table(statistics, metric, labels, baseline):
@@ -142,7 +147,7 @@ def markdown_table(statistics, metric, labels, baseline):
             for row in rows_of(condition):
                 value = markdown(plain_interval(row.value))
                 lines.append("| " + " | ".join([markdown(row.method), f"**{value}**" if row.bold else value,
-                                                markdown(plain_interval(row.ratio)),
+                                                markdown(plain_interval(row.ratio, ratio_number)),
                                                 f"{row.letters} {row.marks()}".strip()]) + " |")
             lines.append("")
     lines += ["Means with 95 % intervals" + (f"; ratio: to {markdown(baseline)}" if baseline else "") + ". Methods that share "
@@ -150,7 +155,7 @@ def markdown_table(statistics, metric, labels, baseline):
               + " ".join([statistics.judged_text(), statistics.letters_note(metric)]).rstrip(), ""]
     for claim, where, verdict, ratio in claim_rows(statistics.claims, labels):
         lines.append(markdown(f"{claim}: {verdict}") if claim else
-                     "- " + markdown(f"{where}: {verdict} {plain_interval(ratio)}".rstrip()))
+                     "- " + markdown(f"{where}: {verdict} {plain_interval(ratio, ratio_number)}".rstrip()))
     return "\n".join([*lines, ""] if statistics.claims else lines)
 
 

@@ -117,13 +117,13 @@ def whole(figure, text, width, size):
     return "\n".join(map(literal, next((found for found in tries if found is not None), text).split("\n")))
 
 
-def significant(value):
-    """Three digits, the last one too where it is 0."""
-    mantissa, _, exponent = f"{value:.2e}".partition("e")
+def significant(value, digits=3):
+    """So many digits, the last one too where it is 0."""
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     if not value or not math.isfinite(value):
         return f"{value:g}"
     power = int(exponent)
-    return f"{value:.{max(0, 2 - power)}f}" if -3 <= power < 5 else f"{mantissa}e{power}"
+    return f"{value:.{max(0, digits - 1 - power)}f}" if -3 <= power < 5 else f"{mantissa}e{power}"
 
 
 def tick_text(value, _=None):

@@ -114,10 +114,10 @@ function headlineCell(condition, name) {
   if (index === undefined) return element('td', {class: 'number'}, '');
   const c = report.combinations[index], ratio = ratioTo(condition, index, hero.baseline);
   const value = interval(c, report.metric), letters = (c.ranks[report.metric] ?? [''])[0] || (report.lettersNote ? '' : '‡');
-  const mean = ratio?.verdict === 'baseline' ? '1' : numberText(ratio?.mean ?? NaN, 3) || '-';
+  const mean = ratio?.verdict === 'baseline' ? '1' : ratioText(ratio?.mean ?? NaN) || '-';
   const told = ratio && (ratio.verdict === 'better' || ratio.verdict === 'worse');
   const words = [`${metricText(report.metric)} ${numberText(value.mean)}${boundsText(value, 3)}`];
-  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3)}: ${againstText(ratio.verdict, hero.baseline)}`);
+  if (ratio && ratio.verdict !== 'baseline') words.push(`ratio ${mean}${boundsText(ratio, 3, ratioText)}: ${againstText(ratio.verdict, hero.baseline)}`);
   if (c.loses) words.push(`loses ${numberText(100 * c.loses, 2)} % of the energy`);
   const title = `${name}, ${report.dumps[condition.dump]}: ${words.join('; ')}`;
   return element('td', {class: `number ${ratio?.verdict ?? ''}`, 'data-ratio': ratio ? ratio.mean : '',
@@ -131,7 +131,7 @@ function overallCell(name) {
   const ratio = c ? interval(c, `${report.metric}_ratio`).mean : NaN;
   return element('td', {class: 'number', style: `background: ${ratioColour(c?.against.includes('not compared') ? NaN : ratio)}`,
     tabindex: 0, title: c?.against ? `${name}, all recordings: ${c.against}` : false},
-  name === report.baseline ? '1' : numberText(ratio, 3));
+  name === report.baseline ? '1' : ratioText(ratio));
 }
 
 // The first methods of the table and the baseline over the budgets of one recording.

@@ -4,6 +4,8 @@ import math
 
 from tools.report.failure import Failure
 
+MOST_DIGITS = 6  # of a ratio
+
 
 def number_text(value, digits=4):
     """Never anything but a number: figures go into the page as they come from here."""
@@ -26,6 +28,19 @@ def interval_text(interval, digits=4):
 def known_text(interval):
     """To three digits; empty where the mean is not known."""
     return "" if math.isnan(interval.mean) else interval_text(interval, 3)
+
+
+def digits_of_ratio(value, digits, text=number_text):
+    """So many, or more where a ratio that is not 1 would read 1: it would not agree with the verdict beside it."""
+    return next((more for more in range(digits, MOST_DIGITS) if value == 1 or float(text(value, more)) != 1), MOST_DIGITS)
+
+
+def ratio_text(interval):
+    """To three digits, or as many as it takes; empty where it is not known."""
+    if math.isnan(interval.mean):
+        return ""
+    mean, *ends = [number_text(value, 3 if math.isnan(value) else digits_of_ratio(value, 3)) for value in interval]
+    return mean if math.isnan(interval.low) or math.isnan(interval.high) else f"{mean} [{ends[0]}, {ends[1]}]"
 
 
 def in_digits(value, digits):

@@ -41,7 +41,13 @@ function numberText(value, digits = 4) {
   return String(Number(value.toPrecision(digits)));
 }
 
-const boundsText = ({low, high}, digits = 4) => (Number.isFinite(low) ? ` [${numberText(low, digits)}, ${numberText(high, digits)}]` : '');
+// Like the program's tables: a ratio that is not 1 does not read 1, which would not agree with the verdict beside it.
+function ratioText(value, digits = 3) {
+  const text = numberText(value, digits);
+  return text === '1' && value !== 1 && digits < 6 ? ratioText(value, digits + 1) : text;
+}
+
+const boundsText = ({low, high}, digits = 4, text = numberText) => (Number.isFinite(low) ? ` [${text(low, digits)}, ${text(high, digits)}]` : '');
 
 // element('td', {class: 'x', onclick: f}, 'text', child): text never becomes markup.
 function element(tag, attributes = {}, ...children) {

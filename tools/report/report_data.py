@@ -8,6 +8,7 @@ import math
 from tools.report.aggregate import RATIO_METRICS, TIMES
 from tools.report.figure_methods import own_methods
 from tools.report.figure_windows import choose_windows
+from tools.report.number_text import digits_of_ratio
 from tools.report.result_images import exposure_and_mean
 from tools.report.statistics_file import Interval, best_is_alone, interval_of
 from tools.report.summary import name_of, said_text, verdicts
@@ -69,7 +70,8 @@ def _conditions(conditions, index, dumps):
 
 
 def _pair(a, b, ratio, low, high, _, verdict):
-    short = [None if n != n else float(f"{n:.5g}") for n in interval_of([ratio, low, high])]
+    # Of a ratio near 1 as many digits as the page may print.
+    short = [None if n != n else float(f"{n:.{digits_of_ratio(n, 5)}g}") for n in interval_of([ratio, low, high])]
     return [a, b, *short, WORDS.index(verdict if verdict in WORDS else "not compared")]
 
 

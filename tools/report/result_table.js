@@ -79,17 +79,19 @@ function buildTable() {
       element('td', {'data-sort': combination.spp, class: 'number'}, String(combination.spp)),
       element('td', {'data-sort': combination.replicates, class: 'number'},
         combination.replicates + (combination.failed ? ` (${combination.failed} failed)` : '')),
-      ...quantities.map((q) => quantityCell(interval(combination, q.name))));
+      ...quantities.map((q) => quantityCell(interval(combination, q.name), isRatio(q.name) ? ratioText : numberText)));
     body.append(node);
     return {node, combination, words: `${fields.join(' ')} ${combination.spp}spp`.toLowerCase()};
   });
   return {table: element('table', {class: 'results', id: 'results'}, element('thead', {}, head), body), rows};
 }
 
-function quantityCell({mean, low, high}) {
-  const cell = element('td', {class: 'number', 'data-sort': Number.isNaN(mean) ? '' : mean}, numberText(mean));
+const isRatio = (name) => name.endsWith('_ratio') && quantityIndex.has(name.slice(0, -'_ratio'.length));  // of two methods
+
+function quantityCell({mean, low, high}, text) {
+  const cell = element('td', {class: 'number', 'data-sort': Number.isNaN(mean) ? '' : mean}, text(mean, 4));
   if (Number.isFinite(low) && low !== high) {
-    cell.append(element('small', {}, `[${numberText(low)}, ${numberText(high)}]`));
+    cell.append(element('small', {}, `[${text(low, 4)}, ${text(high, 4)}]`));
   }
   return cell;
 }

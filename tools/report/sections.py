@@ -5,7 +5,7 @@ from collections import Counter, defaultdict
 from html import escape
 
 from tools.report.metric_names import metric_name
-from tools.report.number_text import count_text, interval_text, known_text, number_text
+from tools.report.number_text import count_text, number_text, ratio_text
 from tools.report.page import licences_html, scrolled_table
 from tools.report.statistics_file import interval_of
 from tools.report.summary import late_text, leading, said_text, threads_text, verdict_text, verdicts
@@ -35,7 +35,7 @@ def _claim(claim, labels):
              + (f"; {count_text(claim['threads'][0], 'thread')} against {claim['threads'][1]}" if "threads" in claim else "") + (f"; {claim['source']}" if claim.get("source") else ""))
     counts = ", ".join(f"{count} {verdict}" for verdict, count in claim["counts"].items())
     rows = (f'<tr><th scope="row">{escape(labels.get(place["dump"], place["dump"]) + threads_text(claim, place))}</th>'
-            f'<td class="number">{place["spp"]:g}</td><td class="number">{known_text(interval_of(place.get("ratio")))}</td>'
+            f'<td class="number">{place["spp"]:g}</td><td class="number">{ratio_text(interval_of(place.get("ratio")))}</td>'
             f'<td>{escape(verdict_text(place))}</td></tr>'
             for place in claim["places"])
     return (f'<details class="claim {escape(claim["verdict"].replace(" ", "-"))}"><summary><b>{escape(claim["verdict"])}</b> '
@@ -77,7 +77,7 @@ def _verdict_cell(verdict):
         return "<td></td>"
     note = said_text(verdict.said)
     word = next((word for word in ("better", "worse") if [*verdict.said] == [word]), "undecided")  # of all scenes
-    ratio = "not resolved" if math.isnan(verdict.ratio.mean) else interval_text(verdict.ratio, 3)
+    ratio = "not resolved" if math.isnan(verdict.ratio.mean) else ratio_text(verdict.ratio)
     return f'<td class="{word}">{ratio}<small>{escape(note)}</small></td>'
 
 

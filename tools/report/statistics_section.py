@@ -2,7 +2,7 @@
 
 from html import escape
 
-from tools.report.number_text import known_text, number_text, percent_text, rounded_count
+from tools.report.number_text import known_text, number_text, percent_text, ratio_text, rounded_count
 from tools.report.page import scrolled_table
 from tools.report.statistics_file import interval_of
 from tools.report.summary import name_of, unjudged
@@ -33,7 +33,7 @@ def _rank_row(entry, baseline):
     return (f'<tr><td class="letters">{escape(letters)}</td>'
             f'<th scope="row">{escape(name_of(entry))}{note}</th>'
             f'<td class="number">{_interval(entry["value"])}</td>'
-            + (f'<td class="number">{_interval(entry.get("ratio"))}</td>'
+            + (f'<td class="number">{ratio_text(interval_of(entry.get("ratio")))}</td>'
                f'<td>{escape(entry.get("against_baseline", ""))}{_why(entry)}</td>' if baseline else "")
             + f'<td class="number">{_interval(entry["energy"])}</td></tr>')
 
@@ -62,7 +62,7 @@ def _equal_time(curves, labels, baseline):
     rows = []
     for curve in curves:
         for at in curve.get("equal_time") or []:
-            found = at.get("outside") or _interval(at.get("ratio"))
+            found = at.get("outside") or ratio_text(interval_of(at.get("ratio")))
             rows.append(f'<tr><th scope="row">{escape(labels[curve["dump"]])}</th><td class="name">{escape(name_of(curve))}</td>'
                         f'<td class="number">{number_text(at["at"])}</td>'
                         f'<td class="number">{number_text(at["seconds"] or 0.0, 3)}</td><td class="number">{escape(found)}</td></tr>')

@@ -5,7 +5,14 @@ from collections import Counter
 from typing import NamedTuple
 
 from tools.report.metric_names import metric_name
-from tools.report.number_text import count_text, interval_text, list_text, number_text, percent_text
+from tools.report.number_text import (
+    count_text,
+    interval_text,
+    list_text,
+    number_text,
+    percent_text,
+    ratio_text,
+)
 from tools.report.statistics_file import best_is_alone, interval_of
 
 SATURATION_LIMIT = 0.01
@@ -146,7 +153,7 @@ def _against_baseline(entry, baseline):
     ratio = interval_of(entry.get("ratio"))
     if math.isnan(ratio.mean):
         return f"; it is better than {baseline} by a ratio that is not resolved"
-    return f"; it has {interval_text(ratio, 3)} times the error of {baseline}"
+    return f"; it has {ratio_text(ratio)} times the error of {baseline}"
 
 
 class Verdict(NamedTuple):

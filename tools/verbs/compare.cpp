@@ -11,6 +11,7 @@
 #include "lib/core/counted.h"
 #include "lib/core/visible_text.h"
 #include "tools/batch/result_changes.h"
+#include "tools/batch/shown_results.h"
 #include "tools/json/answers_json.h"
 #include "tools/json/study_json.h"
 #include "tools/methods/method_settings.h"
@@ -25,11 +26,11 @@ std::string shown(double value) {
 }
 
 // after / before with its interval; the means alone where errors have no logarithm.
-std::string ratio_text(const Change& change) {
+std::string change_text(const Change& change) {
   if (!change.judged_differently.empty()) return "-";
   const Interval ratio = change.difference.ratio();
   if (!std::isfinite(ratio.mean)) return shown(change.after / change.before);
-  return fmt::format("{} [{}, {}]", shown(ratio.mean), shown(ratio.low), shown(ratio.high));
+  return ratio_text(ratio, 4, 4);
 }
 
 // How they were compared; times are never paired, and some errors have no logarithm.
@@ -58,7 +59,7 @@ std::string text_of(const Comparisons& outcome, bool all) {
       {"", "metric", "before", "after", "ratio (95 %)", "p (Holm)", "verdict"}};
   for (const Change& c : outcome.changes) {
     if (!all && c.verdict != Verdict::kBetter && c.verdict != Verdict::kWorse) continue;
-    rows.push_back({c.key, c.metric, shown(c.before), shown(c.after), ratio_text(c),
+    rows.push_back({c.key, c.metric, shown(c.before), shown(c.after), change_text(c),
                     std::isnan(c.p) ? "n/a" : fmt::format("{:.2g}", c.p),
                     std::string(verdict_name(c.verdict))});
   }

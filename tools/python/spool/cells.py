@@ -85,7 +85,7 @@ def _ranked(condition, entry, first):
     letters += "".join(f" (about {count:.0f} {what} would decide)" for what, count in (entry.get("would_decide") or {}).items())
     energy = _numbers(entry.get("energy")) + (" (loses)" if "loses_energy" in entry else "")
     return _line(condition["dump"] if first else None, condition["spp"] if first else None, entry,
-                 _numbers(entry.get("value")), _numbers(entry.get("ratio")), letters, energy, verdict)
+                 _numbers(entry.get("value")), _numbers(entry.get("ratio"), _ratio), letters, energy, verdict)
 
 
 def _alone(entry):
@@ -101,9 +101,18 @@ def _line(dump, spp, entry, value, ratio, letters, energy, verdict):
     return "<tr>" + "".join(f'<td style="{_CELL}nowrap{tint if i in (4, 5) else ""}">{html.escape(text)}</td>' for i, text in enumerate(cells)) + "</tr>"
 
 
-def _numbers(interval):
+def _number(value, digits=4):
+    return f"{value:.{digits}g}"
+
+
+def _ratio(value):
+    """In more digits where a ratio that is not 1 would read 1: it would not agree with the verdict beside it."""
+    return next((text for text in (_number(value, digits) for digits in range(4, 6)) if text != "1" or value == 1), _number(value, 6))
+
+
+def _numbers(interval, number=_number):
     """"0.0260 [0.0240, 0.0281]" of [mean, low, high] or [mean]."""
-    texts = ["not known" if value is None else f"{float(value):.4g}" for value in interval or []]
+    texts = ["not known" if value is None else number(float(value)) for value in interval or []]
     return f"{texts[0]} [{texts[1]}, {texts[2]}]" if len(texts) == 3 and texts[1] != "not known" else "".join(texts[:1])
 
 
