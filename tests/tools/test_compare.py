@@ -51,6 +51,18 @@ def test_another_seed_is_not_told_apart(good, evaluate):
     assert not any(c["paired"] for c in found["comparisons"])
 
 
+def test_why_replicates_of_one_image_are_not_compared_is_said(good, evaluate, tmp_path):
+    a, b = evaluate("a"), evaluate("b")
+
+    def one_image(cell):
+        cell["fields"]["relmse"] = cell["fields"]["mse"] = "0.25"
+        return cell
+    changed_cells(tmp_path / "a", one_image)
+    out = good("compare", a, b, "--all").out
+    assert "6 not compared" in out and "replicates of one image, or an infinite error: 6" in " ".join(out.split())
+    assert "[n/a" not in out and "replicates of one image" not in good("compare", b, b, "--all").out
+
+
 def test_a_result_that_became_infinite_is_not_called_identical(good, evaluate, tmp_path):
     a, b = evaluate("a"), evaluate("b")
     firsts = {row["relmse"] for row in rows_of(tmp_path / "b") if row["replicate"] == "0"}

@@ -100,6 +100,16 @@ std::string text_of(const Comparisons& outcome, bool all) {
       notes += fmt::format("Not compared for {}: {}: {}.\n", withheld_name(why), count,
                            withheld_remedy(why));
   }
+  const auto alone = std::ranges::count_if(outcome.changes, [](const Change& c) {
+    return c.verdict == Verdict::kUnknown && c.difference.withheld == Withheld::kNo &&
+           c.judged_differently.empty();
+  });
+  if (alone > 0) {
+    notes += fmt::format(
+        "Not compared for one replicate, replicates of one image, or an infinite error: {}: read "
+        "before and after.\n",
+        alone);
+  }
   std::map<std::string, int> judged;
   for (const Change& c : outcome.changes)
     if (!c.judged_differently.empty()) ++judged[c.judged_differently];
