@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import spool
+from spool.cells import results_html
 
 HOSTILE = "</script><img src=x onerror=alert(1)>\"'&`"
 
@@ -86,6 +87,13 @@ def test_a_selection_shows_its_density(dump):
     assert f"{selection.counts.min()} to {selection.counts.max()}" in html
     whole = spool.reconstruct(dump, selection, "directional", whole=True)._repr_html_()
     assert "level, dominant_direction" in whole and "data:image/png" in whole
+
+
+def test_a_ratio_reads_one_only_where_it_is_one():
+    entry = {"sampler": "multiscale", "filter": "box", "value": [0.1, 0.09, 0.11], "ratio": [1.00041, 1.00021, 1.00061], "letters": "b",
+             "against_baseline": "worse"}
+    shown = results_html([], {"conditions": [{"metric": "relmse", "dump": "a", "spp": 8, "ranking": [entry]}], "results": []})
+    assert "1.0004 [1.0002, 1.001]" in shown and "0.1 [0.09, 0.11]" in shown
 
 
 def test_results_show_claims_and_intervals_of_their_statistics(dump, tmp_path):
