@@ -121,6 +121,16 @@ bool is_linear(std::string_view metric) {
   return metric.starts_with("energy");
 }
 
+// One of the two squared errors in any of their forms.
+bool is_squared(std::string_view metric) {
+  return metric.starts_with("relmse") || metric.starts_with("mse") || metric == "rmse";
+}
+
+// That the mean of so many is worth.
+double independent_replicates(double replicates, double correlation) {
+  return replicates / (1.0 + (replicates - 1.0) * std::min(correlation, 1.0));
+}
+
 // What the replicates have in common, and how alike that makes their metrics.
 void add_shared(MethodResults& method, const Plan& plan, const ReplicatePairs& pairs,
                 const Shares& shares, double spp) {
@@ -142,6 +152,7 @@ void add_shared(MethodResults& method, const Plan& plan, const ReplicatePairs& p
   for (auto& [metric, spread] : method.spread) {
     const double around = metric.ends_with("_fresh") ? half : method.taken.recorded;
     const Shared of_halves = shared_of({varying_counts(spread.halves), around, method.taken.rare});
+    spread.samples = of_halves.samples;
     spread.correlation = is_linear(metric) ? of_halves.samples : of_halves.correlation;
   }
 }
@@ -170,9 +181,17 @@ double MethodResults::mean(std::size_t quantity) const {
   return mean_interval({values[quantity], 0.0}, quantities()[quantity].range).mean;
 }
 
+double MethodResults::correlation_of(const std::string& metric, const Spread& spread) const {
+  if (!is_squared(metric) || given() >= kOwnSpread) return spread.correlation;
+  const std::string whole = metric.starts_with("relmse") ? "relmse" : "mse";
+  const double pixels = mean(quantity_index(whole + "_half_pixels"));
+  const bool few = pixels * independent_replicates(done, spread.correlation) < kFewPixels;
+  return few ? spread.samples : spread.correlation;
+}
+
 Withheld MethodResults::withheld(const std::string& metric) const {
   const bool relative = metric.starts_with("relmse");
-  const bool squared = relative || metric.starts_with("mse") || metric == "rmse";
+  const bool squared = is_squared(metric);
   if (!squared || one_image()) return Withheld::kNo;
   const std::string whole = relative ? "relmse" : "mse";
   if (metric != whole && withheld(whole) == Withheld::kFewPixels) return Withheld::kFewPixels;
@@ -180,7 +199,7 @@ Withheld MethodResults::withheld(const std::string& metric) const {
   standing.half_pixels = mean(quantity_index(whole + "_half_pixels"));
   const auto measured = spread.find(metric);
   const double common = measured == spread.end() ? correlation : measured->second.correlation;
-  standing.independent_replicates = done / (1.0 + (done - 1.0) * std::min(common, 1.0));
+  standing.independent_replicates = independent_replicates(done, common);
   standing.halves = measured != spread.end();
   standing.own_spread = given() >= kOwnSpread;
   if (relative) standing.reference_noise = mean(quantity_index("relmse_reference_noise"));
@@ -200,7 +219,7 @@ Series MethodResults::series(std::size_t quantity) const {
     series.correlation = shared;
   }
   if (const auto measured = spread.find(kind.name); measured != spread.end()) {
-    series.correlation = measured->second.correlation;
+    series.correlation = correlation_of(kind.name, measured->second);
     series.halves = measured->second.halves;
   }
   return series;
@@ -214,7 +233,7 @@ Series MethodResults::fresh_series(const std::string& metric) const {
   series.withheld = withheld(metric);
   const auto measured = spread.find(metric + "_fresh");
   if (measured == spread.end()) return series;
-  series.correlation = measured->second.correlation;
+  series.correlation = correlation_of(metric, measured->second);
   // Of the mean of the two images: their difference over the root of two has its spread.
   series.halves =
       difference_of(measured->second.halves, std::sqrt(0.5), measured->second.halves, 0.0);

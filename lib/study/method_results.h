@@ -49,6 +49,7 @@ struct MethodResults {
   struct Spread {
     std::vector<HalfDifference> halves;
     double correlation = 0;
+    double samples = 0;  // share of its samples that another replicate took too, where it varies
   };
   std::map<std::string, Spread> spread;
   // [replicate] errors on fresh samples, by metric; only where the plan asks for them.
@@ -61,6 +62,9 @@ struct MethodResults {
   // mse and relmse in all their forms; another metric is never withheld. A form stands on the same
   // few pixels: one that leaves the worst out has others in the next recording.
   Withheld withheld(const std::string& metric) const;
+  // Of the replicates of a metric that halves measure. Where few pixels carry the error, each is a
+  // rare event that replicates have or have not: then they are alike by their share of samples.
+  double correlation_of(const std::string& metric, const Spread& spread) const;
   Series series(std::size_t quantity) const;
   // Each value is the mean of two images of half of the recording.
   Series fresh_series(const std::string& metric) const;

@@ -74,6 +74,21 @@ def test_an_error_of_one_pixel_has_no_verdict_until_three_recordings_show_it(goo
         assert np.isclose((high - low) / 2, 4.30265273 * means.std(ddof=1) / np.sqrt(3), rtol=1e-6)
 
 
+def test_errors_of_few_pixels_are_as_alike_as_their_samples(good, tmp_path):
+    """Replicates that share half of their samples have or have not what makes the error of one pixel: the square of that half is too little."""
+    random, reference = np.random.default_rng(0), np.ones((32, 32))
+    radiance = random.gamma(2, 0.5, (32, 32, 32))
+    radiance[5, 5], reference[5, 5] = random.gamma(0.5, 100, 32), 50
+    radiance, reference = (np.repeat(image[..., None], 3, axis=-1).astype("<f4") for image in (radiance, reference))
+    write_dump(tmp_path / "r.spool", radiance, reference=reference, reference_variance=0 * reference)
+    statistics, _ = evaluate(good, tmp_path, 'recordings = ["r.spool"]\nspp = [16]\nreplicates = 16\npictures = false\nsamplers = ["uniform"]\nfilters = ["box"]\n')
+    result = statistics["results"][0]
+    logs = np.log([json.loads(line)["mse"] for line in (tmp_path / "out" / "results.jsonl").read_text().splitlines()])
+    share, n, (_, low, high) = result["shared"], len(logs), np.log(result["quantities"]["mse"])
+    assert share > 0.4 and result["quantities"]["mse_half_pixels"][0] < 3
+    assert (high - low) / 2 > 1.96 * logs.std(ddof=1) * np.sqrt((1 + (n - 1) * share) / (1 - share) / n)
+
+
 def test_what_is_trimmed_of_an_error_of_few_pixels_has_no_verdict(good, tmp_path):
     """One pixel is bright where its reference is dark; without it the error stands on the pixels that the next recording has instead."""
     radiance, mean = samples(seed=1)
