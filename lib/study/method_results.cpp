@@ -181,12 +181,12 @@ double MethodResults::mean(std::size_t quantity) const {
   return mean_interval({values[quantity], 0.0}, quantities()[quantity].range).mean;
 }
 
-double MethodResults::correlation_of(const std::string& metric, const Spread& spread) const {
-  if (!is_squared(metric) || given() >= kOwnSpread) return spread.correlation;
+double MethodResults::correlation_of(const std::string& metric, const Spread& measured) const {
+  if (!is_squared(metric) || given() >= kOwnSpread) return measured.correlation;
   const std::string whole = metric.starts_with("relmse") ? "relmse" : "mse";
   const double pixels = mean(quantity_index(whole + "_half_pixels"));
-  const bool few = pixels * independent_replicates(done, spread.correlation) < kFewPixels;
-  return few ? spread.samples : spread.correlation;
+  const bool few = pixels * independent_replicates(done, measured.correlation) < kFewPixels;
+  return few ? measured.samples : measured.correlation;
 }
 
 Withheld MethodResults::withheld(const std::string& metric) const {

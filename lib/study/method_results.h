@@ -64,7 +64,7 @@ struct MethodResults {
   Withheld withheld(const std::string& metric) const;
   // Of the replicates of a metric that halves measure. Where few pixels carry the error, each is a
   // rare event that replicates have or have not: then they are alike by their share of samples.
-  double correlation_of(const std::string& metric, const Spread& spread) const;
+  double correlation_of(const std::string& metric, const Spread& measured) const;
   Series series(std::size_t quantity) const;
   // Each value is the mean of two images of half of the recording.
   Series fresh_series(const std::string& metric) const;
