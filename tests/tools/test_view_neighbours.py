@@ -127,12 +127,17 @@ def test_a_reader_that_does_not_read_is_left(scene):
         with connected(server) as lazy:
             lazy.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
             lazy.sendall(f"GET {server.root} HTTP/1.1\r\nHost: {server.host}:{server.port}\r\n\r\n".encode())
-            deadline = time.monotonic() + 30 * SLACK
-            while sockets_of(server) > 1 and time.monotonic() < deadline:
-                time.sleep(0.5)
-            assert sockets_of(server) <= 1  # the one that listens
+            until(lambda: sockets_of(server) == 2)  # the connection is taken ...
+            until(lambda: sockets_of(server) == 1)  # ... and left, but for the one that listens
     finally:
         server.end()
+
+
+def until(holds):
+    deadline = time.monotonic() + 30 * SLACK
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
 
 
 def sockets_of(server):
