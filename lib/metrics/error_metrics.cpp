@@ -50,7 +50,7 @@ MetricTable table_of(const PixelErrors& errors, const JudgingReference& referenc
   }
   for (std::size_t m = 0; m < metric_list().size(); ++m) {
     const Metric& metric = metric_list()[m];
-    if (metric.rule == Rule::kPerceptual || !is_wanted(options, metric.description.name)) continue;
+    if (metric.rule == Rule::kPerceptual || !is_wanted(options, m)) continue;
     table.values[m].value = values.value(metric, kWhole);
     if (!values.has_standard_error(metric)) continue;
     std::vector<double>& resampled = table.resampled[m];

@@ -25,15 +25,19 @@ double luminance_at(const RgbImage& image, std::size_t p) {
 template <class Belongs>
 bool wants_one(const MetricOptions& options, const Belongs& belongs) {
   for (std::size_t m = 0; m < metric_list().size(); ++m) {
-    if ((options.wanted.empty() || options.wanted[m]) && belongs(metric_list()[m])) return true;
+    if (is_wanted(options, m) && belongs(metric_list()[m])) return true;
   }
   return false;
 }
 
 }  // namespace
 
+bool is_wanted(const MetricOptions& options, std::size_t metric) {
+  return options.wanted.empty() || options.wanted[metric];
+}
+
 bool is_wanted(const MetricOptions& options, std::string_view name) {
-  return options.wanted.empty() || options.wanted[static_cast<std::size_t>(metric_index(name))];
+  return is_wanted(options, static_cast<std::size_t>(metric_index(name)));
 }
 
 WantedTerms wanted_terms(const MetricOptions& options, bool flip_map) {

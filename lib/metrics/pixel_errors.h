@@ -27,7 +27,8 @@ struct WantedTerms {
 // `flip_map`: the map of FLIP is asked for, whatever metrics are wanted.
 WantedTerms wanted_terms(const MetricOptions& options, bool flip_map);
 
-// Whether `options` ask for the metric of this name, which must exist.
+// Whether `options` ask for a metric, by its place in metrics() or its name, which must exist.
+bool is_wanted(const MetricOptions& options, std::size_t metric);
 bool is_wanted(const MetricOptions& options, std::string_view name);
 
 class PixelErrors {
